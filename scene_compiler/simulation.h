@@ -54,6 +54,10 @@ struct Instrument {
   SamplerKind sampler = SamplerKind::grid;
   int samples_u = 11, samples_v = 11;  ///< grid and jittered: cells; lattice: total = samples_u * samples_v points
   bool samples_given = false;          ///< by the file; otherwise the planner chooses them (host/planner)
+  /// Of the planner: the image is the mean of so many renders, each with shifts and sky rays of its own.
+  int replicates = 1;
+  int samples_of_replicate() const { return samples_u * samples_v; }
+  int all_samples() const { return replicates * samples_of_replicate(); }
   int first_samples = 0;  ///< adaptive: lattice points of a first pass; pixels that it does not settle get all; 0: none
   /// Whether a pixel is the plain square that its samples cover.
   bool box_pixels() const { return psf_sigma_px == 0 && psf_support_px == 1; }

@@ -21,6 +21,7 @@ raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp LIBS raycub
 raycube_test(render_shadow SOURCES oracle/render_shadow_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_psf SOURCES oracle/render_psf_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_adaptive SOURCES oracle/render_adaptive_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(replicates SOURCES unit/replicates_test.cpp LIBS raycube::render LABELS fast)
 raycube_test(render_small_objects SOURCES oracle/render_small_objects_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(group_finder SOURCES oracle/group_finder_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_edge_cases SOURCES oracle/render_edge_cases_test.cpp LIBS raycube_render_support

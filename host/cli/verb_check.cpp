@@ -78,7 +78,7 @@ struct Outcome {
 /// What no comparison of an instrument can see: both sides trace the same rays of the same scene.
 std::vector<std::string> not_looked_at(const run::CameraJob& job) {
   const planner::Decision& d = job.decision;
-  const int samples = job.instrument->samples_u * job.instrument->samples_v;
+  const int samples = job.instrument->all_samples();
   std::string error = "how well " + std::to_string(samples) + (samples == 1 ? " sample tells" : " samples tell") +
                       " what a pixel holds, since both sides trace the same ones: ";
   if (d.samples_error >= 0)

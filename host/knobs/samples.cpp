@@ -19,6 +19,7 @@ Knob knob_samples() {
   };
   knob.set = [](const Subject& s, double level) {
     s.instrument->samples_u = s.instrument->samples_v = static_cast<int>(std::lround(level));
+    s.instrument->replicates = 1;
   };
   knob.label = [](double level) {
     if (level == std::round(level)) return whole_label(level) + "x" + whole_label(level);

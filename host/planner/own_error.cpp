@@ -8,6 +8,7 @@
 
 #include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
+#include "host/planner/replicated.h"
 #include "host/planner/sample_pattern.h"
 #include "host/planner/trial_pixels.h"
 
@@ -79,19 +80,32 @@ void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Sim
   out.from = fmt::format("{} pixels rendered three times; `raycube plan` measures it", image.pixels());
 }
 
+/// Of the image's own replicates, on all its pixels.
+void from_replicates(OwnError& out, const render::ReplicateSpread& spread, int replicates) {
+  const TrialError drawn = error_of(spread);
+  out.drawn = drawn.bound;
+  sum_up(out, drawn.estimate);
+  out.from = fmt::format("the spread of the image's {} replicates", replicates);
+}
+
 }  // namespace
 
 OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-                   const plan::Plan& plan, const atmos::RenderTable& table, const Decision& decision, int threads) {
+                   const plan::Plan& plan, const atmos::RenderTable& table, const Decision& decision,
+                   const render::ReplicateSpread& spread, int threads) {
   OwnError out;
   out.tolerance = simulation.tolerance, out.plan = decision.plan_error;
   if (decision.total_error >= 0 && !instrument.adaptive()) {  // the trial takes all samples of every pixel
     out.samples = decision.samples_error, out.sky = decision.sky_error, out.total = decision.total_error;
     out.drawn = std::sqrt(std::max(0.0, out.total * out.total - out.plan * out.plan));
-    out.from = fmt::format("the plan's trial of {} pixels", decision.trial_pixels);
+    out.from = instrument.replicates > 1 ? fmt::format("the spread of {} replicates", instrument.replicates)
+                                         : fmt::format("the plan's trial of {} pixels", decision.trial_pixels);
   } else {
     out.plan_pixels = decision.model_pixels;
-    from_few_pixels(out, renderer, simulation, instrument, plan);
+    if (instrument.replicates > 1)
+      from_replicates(out, spread, instrument.replicates);
+    else
+      from_few_pixels(out, renderer, simulation, instrument, plan);
     if (!out.kept() && out.drawn <= out.tolerance && out.plan_pixels == 0)
       measure_plan(out, model_error(simulation, instrument, plan, table, threads));
   }

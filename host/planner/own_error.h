@@ -1,6 +1,6 @@
 // What is known of a render's error, whoever chose its settings (S60).
 //
-// Where the planner made a trial, that. Where the file gives samples and directions, a few hundred pixels
+// Where the planner made a trial, that. Of an image that is a mean of replicates their spread. Where the file gives samples and directions, a few hundred pixels
 // picked by hash (all of a small image) are rendered as the image is and twice more with as many samples at
 // random (a lattice's shift; jittered cells under a point spread) and other rays into the sky: no reference,
 // and still without bias. Like every rms over pixels it says nothing of a few pixels with targets; those are
@@ -31,9 +31,10 @@ struct OwnError {
 
 /// Of an instrument as `apply` left it. Renders only where the decision was not made by a trial. The plan's share
 /// is its bound for the worst place and obstacle; where the verdict hangs on it, it is measured on the scene's own
-/// pixels (model_trial.h), by as many threads, as `raycube plan` does.
+/// pixels (model_trial.h), by as many threads, as `raycube plan` does. `spread`: of the image's replicates, if any.
 OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-                   const plan::Plan& plan, const atmos::RenderTable& table, const Decision& decision, int threads);
+                   const plan::Plan& plan, const atmos::RenderTable& table, const Decision& decision,
+                   const render::ReplicateSpread& spread, int threads);
 
 /// One line: total against tolerance, parts, how it is known.
 std::string own_error_text(const OwnError& error);

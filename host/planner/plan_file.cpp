@@ -10,6 +10,7 @@
 #include "host/base/input_file.h"
 #include "host/base/json_text.h"
 #include "host/plan/sky_rays.h"
+#include "host/planner/replicated.h"
 #include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
@@ -57,7 +58,8 @@ std::string write_plan_file(const PlanFile& file) {
     else
       item["sampler"] = static_cast<int>(entry.sampling.sampler),
       item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
-      item["sky_directions"] = entry.sampling.directions, item["plan"] = entry.axes;
+      item["sky_directions"] = entry.sampling.directions, item["replicates"] = entry.sampling.replicates,
+      item["plan"] = entry.axes;
     list.push_back(std::move(item));
   }
   return Json{{"raycube_plan", kVersion},
@@ -97,16 +99,17 @@ PlanFile read_plan_file(const std::string& path) {
       } else {
         const int sampler = item.at("sampler").get<int>();
         entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(),
-                          item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>()};
+                          item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>(),
+                          item.value("replicates", 1)};
         entry.axes = item.at("plan");
         const auto& s = entry.sampling;
         const bool lattice = s.sampler == scene::SamplerKind::lattice;
         const int most_u = lattice ? kMostSamples : kMostSide, most_v = kMostSide;
         if (sampler < 0 || sampler > 2 || s.samples_u < 1 || s.samples_u > most_u || s.samples_v < 1 ||
             s.samples_v > most_v || std::int64_t{s.samples_u} * s.samples_v > kMostSamples || s.directions < 1 ||
-            s.directions > plan::kMostSkyRays)
-          refuse(path, fmt::format("'{}': samples {} x {} or {} sky directions are out of range", entry.name,
-                                   s.samples_u, s.samples_v, s.directions));
+            s.directions > plan::kMostSkyRays || s.replicates < 1 || s.replicates > kMostReplicates)
+          refuse(path, fmt::format("'{}': samples {} x {}, {} sky directions or {} replicates are out of range",
+                                   entry.name, s.samples_u, s.samples_v, s.directions, s.replicates));
       }
       file.entries.push_back(std::move(entry));
     }
@@ -154,13 +157,16 @@ std::string first_guess_note(const std::string& path, const std::string& name, c
 void require_applicable(const PlanFile::Entry& entry, const scene::Simulation& simulation,
                         const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
   const Sampling& s = entry.sampling;
-  if (instrument.samples_given &&
-      (instrument.sampler != s.sampler || instrument.samples_u != s.samples_u || instrument.samples_v != s.samples_v))
+  if (instrument.samples_given && (instrument.sampler != s.sampler || instrument.samples_u != s.samples_u ||
+                                   instrument.samples_v != s.samples_v || s.replicates > 1))
     conflict(path, entry.name, "samples", sampler_text(instrument.sampler, instrument.samples_u, instrument.samples_v),
-             sampler_text(s.sampler, s.samples_u, s.samples_v));
+             sampling_text(s));
+  if (s.replicates > 1 && (instrument.first_samples > 0 || instrument.standard_error != scene::StandardError::off))
+    refuse(path, fmt::format("'{}': the plan has {}, which go with neither adaptive samples nor standard errors",
+                             entry.name, sampling_text(s)));
   if (s.sampler == scene::SamplerKind::lattice && !instrument.box_pixels())
-    refuse(path, fmt::format("'{}': the plan has {}, which does not go with a point spread", entry.name,
-                             sampler_text(s.sampler, s.samples_u, s.samples_v)));
+    refuse(path,
+           fmt::format("'{}': the plan has {}, which does not go with a point spread", entry.name, sampling_text(s)));
   if (simulation.sky_directions_given && plan.components() > 0 && simulation.sky_directions != s.directions)
     conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
              std::to_string(s.directions) + " sky directions");
@@ -198,10 +204,7 @@ Decision replayed(const PlanFile::Entry& entry, std::vector<std::string> changes
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
   out.sampling.first_samples = instrument.first_samples;
-  out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v,
-                            entry.sampling.directions);
-  out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
-  out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
+  count_cost(out, plan);
   try {
     if (changes.empty()) take_findings(out, entry.decision);
   } catch (const Json::exception& error) {

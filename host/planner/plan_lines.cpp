@@ -131,18 +131,32 @@ std::string percent_text(double error) {
   return error == 0 ? "0 %" : fmt::format("{:.2g} %", 100 * error);
 }
 
+std::string sampling_text(const Sampling& s) {
+  const std::string each = sampler_text(s.sampler, s.samples_u, s.samples_v);
+  return s.replicates > 1 ? fmt::format("{} x {}", s.replicates, each) : each;
+}
+
 namespace {
+
+/// How the error of what was tried is known.
+std::string tried_text(const Decision& d) {
+  return d.sampling.replicates > 1
+             ? fmt::format("spread of {} replicates of all pixels, sky included", d.sampling.replicates)
+             : fmt::format("trial of {} pixels", d.trial_pixels);
+}
 
 /// What the planner settles: samples of a pixel, directions of the sky.
 void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const plan::Plan& plan) {
   PlanLine samples;
   samples.block = "samples";
-  samples.level = sampler_text(d.sampling.sampler, d.sampling.samples_u, d.sampling.samples_v);
+  samples.level = sampling_text(d.sampling);
   samples.error = d.samples_error, samples.next_error = d.samples_less_error, samples.given = d.samples_given;
+  if (d.sampling.replicates > 1 && d.total_error >= 0)
+    samples.error = std::sqrt(std::max(0.0, d.total_error * d.total_error - d.plan_error * d.plan_error));
   samples.cost = fmt::format("{:.0f} rays a pixel", d.counts.samples);
   samples.why = d.samples_given
                     ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
-                : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
+                : d.estimated ? tried_text(d)
                               : "the default: nothing could be tried";
   lines.push_back(samples);
   PlanLine adaptive;
@@ -157,13 +171,15 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
   if (d.small.objects > 0) lines.push_back(small_objects_line(d.small));
   PlanLine sky;
   sky.block = "sky directions";
-  sky.level = plan.components() > 0 ? std::to_string(d.sampling.directions) : "none";
+  sky.level = plan.components() == 0      ? "none"
+              : d.sampling.replicates > 1 ? fmt::format("{} x {}", d.sampling.replicates, d.sampling.directions)
+                                          : std::to_string(d.sampling.directions);
   sky.error = d.sky_error, sky.next_error = d.sky_less_error, sky.given = d.directions_given;
   sky.cost = fmt::format("{:.0f} rays a pixel", d.counts.sky_rays);
   sky.why = plan.components() == 0 ? "nothing comes from the sky"
             : d.directions_given
                 ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
-            : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
+            : d.estimated ? tried_text(d)
                           : "the default: nothing could be tried";
   lines.push_back(sky);
 }
@@ -232,6 +248,7 @@ nlohmann::json decision_json(const Decision& d, const std::vector<PlanLine>& lin
               {"samples", {d.sampling.samples_u, d.sampling.samples_v}},
               {"sampler", static_cast<int>(d.sampling.sampler)},
               {"sky_directions", d.sampling.directions},
+              {"replicates", d.sampling.replicates},
               {"error",
                {{"plan", d.plan_error},
                 {"plan_estimate", d.plan_estimate},

@@ -26,5 +26,7 @@ std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const 
 
 /// "0.42 %", "1e-05 %"; "-" below 0.
 std::string percent_text(double error);
+/// Samples of a pixel as they are taken: "lattice 34", "4 x lattice 13".
+std::string sampling_text(const Sampling& sampling);
 
 }  // namespace raycube::planner

@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
+#include "host/planner/replicated.h"
 #include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
@@ -28,6 +29,11 @@ constexpr double kMeasuring_s_per_wavelength = 1e-3;  ///< of the table, nominal
 constexpr double kWorthMeasuring = 0.3;  ///< of the tolerance: less takes 5 % of what is left for samples and sky
 
 double squared(double x) { return x * x; }
+
+/// What nodes and components of this error leave of the tolerance to samples and sky.
+double left_of(double tolerance, double plan_error) {
+  return std::sqrt(std::max(0.0, squared(kUse * tolerance) - squared(plan_error)));
+}
 
 /// Level before `level` of a list, or 0.
 int before(const std::vector<int>& levels, int level) {
@@ -129,9 +135,7 @@ class LevelSearch {
   }
 
   /// What nodes and components of this error leave of the tolerance to samples and sky.
-  double left_by(double plan_error) const {
-    return std::sqrt(std::max(0.0, squared(kUse * simulation_.tolerance) - squared(plan_error)));
-  }
+  double left_by(double plan_error) const { return left_of(simulation_.tolerance, plan_error); }
 
   /// Nominal seconds of the whole image if nodes and components err by this much; infinite where the look knows of no
   /// setting that would do.
@@ -286,10 +290,7 @@ void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, co
     out.sampling.sampler = pattern.sampler, out.sampling.samples_u = pattern.along(choice.samples),
     out.sampling.samples_v = pattern.across(choice.samples);
   if (!out.directions_given) out.sampling.directions = choice.directions;
-  out.counts =
-      pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
-  out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
-  out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
+  count_cost(out, plan);
 }
 
 /// The errors of the levels chosen, and of those before them.
@@ -352,18 +353,48 @@ double hold_draw(PixelTrial& trial, LevelSearch& search, const SamplePattern& pa
   }
 }
 
+/// Settles an image that costs less than a trial by rendering it; false: it is none, or would take more.
+bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulation& simulation,
+               const scene::Instrument& instrument, const plan::Plan& plan) {
+  const double left = left_of(simulation.tolerance, out.plan_error);
+  if (left <= 0 || !may_replicate(simulation, instrument, plan)) return false;
+  Replicates replicates = render_replicates(renderer, simulation, instrument, plan, left);
+  out.measured = std::move(replicates.measured);
+  if (!replicates.image) return false;
+  out.image = std::move(replicates.image);
+  out.estimated = true;
+  out.sampling = {scene::SamplerKind::lattice, kReplicateSamples, 1, kReplicateDirections, out.image->sums.count(), 0};
+  if (plan.components() == 0) out.sampling.directions = simulation.sky_directions;
+  count_cost(out, plan);
+  out.total_error = std::hypot(out.plan_error, replicates.error.bound);
+  out.within = out.total_error <= out.tolerance;
+  out.trial_pixels = out.looked_at =
+      static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
+  const auto& rendered = out.image->statistics;
+  out.trial_rays = rendered.primary_rays + rendered.sun_rays + rendered.sky_rays;
+  note_tolerance(out, instrument.name);
+  return true;
+}
+
 }  // namespace
+
+void count_cost(Decision& decision, const plan::Plan& plan) {
+  const Sampling& s = decision.sampling;
+  PixelCounts& counts = decision.counts;
+  counts = pixel_counts(plan, static_cast<double>(s.samples_u) * s.samples_v, s.directions);
+  for (double* count : {&counts.samples, &counts.sun_rays, &counts.sky_rays, &counts.terms}) *count *= s.replicates;
+  decision.s_per_megapixel = 1e6 * CostModel().seconds(counts);
+  decision.dear = decision.s_per_megapixel > kDear_s_per_megapixel;
+}
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
   Decision out;
-  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions,
+  out.sampling = {instrument.sampler,      instrument.samples_u, instrument.samples_v, simulation.sky_directions, 1,
                   instrument.first_samples};
   out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
   out.tolerance = simulation.tolerance;
   out.plan_error = out.plan_estimate = plan.report.total_error;
-  out.counts =
-      pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions);
-  out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
+  count_cost(out, plan);
   return out;
 }
 
@@ -384,6 +415,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   const bool sky = plan.components() > 0;
   const bool all_given = out.samples_given && (out.directions_given || !sky);
   if (all_given && !estimate_given) return out;
+  if (replicate(out, renderer, simulation, instrument, plan)) return out;
   PixelTrial trial(renderer, simulation, instrument, plan, look_directions(out, simulation));
   LevelSearch search(trial, simulation, instrument, plan, out);
   if (measuring_pays(out, search, plan, all_given)) measure_plan(out, simulation, instrument, plan, table, threads);
@@ -405,6 +437,7 @@ void add_small_objects(Decision& decision, const scene::Instrument& instrument, 
   scene::Instrument sampled = instrument;
   sampled.sampler = decision.sampling.sampler;
   sampled.samples_u = decision.sampling.samples_u, sampled.samples_v = decision.sampling.samples_v;
+  sampled.replicates = decision.sampling.replicates;
   const bool on = instrument.small_objects == SmallObjects::on ||
                   (instrument.small_objects == SmallObjects::automatic && !decision.samples_given);
   decision.small = sensors::survey_small_objects(std::move(small), sampled, on);
@@ -417,6 +450,7 @@ void add_small_objects(Decision& decision, const scene::Instrument& instrument, 
 void apply(const Decision& decision, scene::Instrument& instrument, plan::Plan& plan) {
   instrument.sampler = decision.sampling.sampler;
   instrument.samples_u = decision.sampling.samples_u, instrument.samples_v = decision.sampling.samples_v;
+  instrument.replicates = decision.sampling.replicates;
   instrument.small_objects = decision.small.on ? scene::SmallObjects::on : scene::SmallObjects::off;
   if (plan.components() > 0) plan.sky.rays = decision.sampling.directions;
 }

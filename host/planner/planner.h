@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,8 @@ struct PlanLine {
 /// What the planner settles besides the plan itself.
 struct Sampling {
   scene::SamplerKind sampler = scene::SamplerKind::grid;
-  int samples_u = 1, samples_v = 1, directions = 1;
+  int samples_u = 1, samples_v = 1, directions = 1;  ///< of each replicate
+  int replicates = 1;
   int first_samples = 0;  ///< of adaptive samples, as the file has them; errors are judged without
 };
 
@@ -61,7 +63,9 @@ struct Decision {
   bool dear = false;                            ///< above kDear_s_per_megapixel
   std::size_t trial_pixels = 0, looked_at = 0;  ///< pixels of the trial, and of the first look
   std::uint64_t trial_rays = 0;
-  sensors::SmallObjectSurvey small;   ///< objects that an rms over pixels does not see
+  sensors::SmallObjectSurvey small;  ///< objects that an rms over pixels does not see
+  /// The image itself, small objects aside, where its replicates were the trial.
+  std::shared_ptr<const render::RenderedImage> image;
   std::vector<std::string> measured;  ///< each setting that the trial rendered, with estimate and bound of its error
   std::vector<std::string> notes;     ///< what the user must know: a tolerance that is not kept, one that is dear
 };
@@ -93,6 +97,9 @@ Choice choose(const LevelErrors& of_samples, const LevelErrors& of_directions, d
 /// hold_tolerance does.
 Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
                 const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads = 0);
+
+/// What the decision's settings cost, all replicates together.
+void count_cost(Decision& decision, const plan::Plan& plan);
 
 /// The decision where nothing may be tried (no device, an internal camera): what the file or the defaults say.
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);

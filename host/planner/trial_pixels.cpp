@@ -139,11 +139,14 @@ std::vector<render::Tile> joined(const std::vector<render::Tile>& runs, int colu
 }
 
 std::vector<double> judged_means(const TrialImage& image) {
-  std::vector<double> mean(image.bands, 0.0);
-  for (std::size_t i = 0; i < image.radiance.size(); ++i) mean[i % image.bands] += image.radiance[i];
+  std::vector<double> sums(image.bands, 0.0);
+  for (std::size_t i = 0; i < image.radiance.size(); ++i) sums[i % image.bands] += image.radiance[i];
+  return judged_means(std::move(sums), static_cast<double>(std::max<std::size_t>(1, image.pixels())));
+}
+
+std::vector<double> judged_means(std::vector<double> mean, double pixels) {
   double largest = 0;
-  for (double& m : mean)
-    m = std::abs(m) / static_cast<double>(std::max<std::size_t>(1, image.pixels())), largest = std::max(largest, m);
+  for (double& m : mean) m = std::abs(m) / pixels, largest = std::max(largest, m);
   for (double& m : mean) m = std::max({m, kDarkShare * largest, 1e-300});
   return mean;
 }

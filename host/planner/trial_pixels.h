@@ -63,6 +63,8 @@ struct TrialError {
 
 /// Mean radiance of each band, held against 1e-4 of the largest.
 std::vector<double> judged_means(const TrialImage& image);
+/// The same from sums over so many pixels.
+std::vector<double> judged_means(std::vector<double> sums, double pixels);
 
 /// Mean square over pixels and bands of each run's difference between two images, over the bands' means.
 std::vector<double> run_differences(const TrialImage& one, const TrialImage& two, const std::vector<double>& mean);

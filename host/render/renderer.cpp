@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/sha256.h"
+#include "host/base/timing.h"
 #include "host/render/scene_on_device.h"
 #include "host/render/tile_passes.h"
 #include "host/render/truth.h"
@@ -175,11 +176,14 @@ TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Pl
 }
 
 RenderStatistics Renderer::render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
-                                  std::uint64_t seed, const StripSink& sink, const ProgressSink& progress) {
+                                  std::uint64_t seed, const StripSink& sink, const ProgressSink& progress,
+                                  const RenderedImage* rendered) {
   const base::Doing doing("rendering instrument", instrument.name);
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
   const TileSize size = tile_size(instrument, plan, state_->tuning.tile_samples);
-  TilePasses passes(setup, size.lines, size.columns, state_->row_capacity(setup.shape), state_->tile_budget());
+  std::optional<TilePasses> passes;
+  if (!rendered || instrument.small_objects == scene::SmallObjects::on)
+    passes.emplace(setup, size.lines, size.columns, state_->row_capacity(setup.shape), state_->tile_budget());
 
   const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene, instrument).size();
   const bool band_errors = instrument.standard_error == scene::StandardError::bands;
@@ -190,11 +194,18 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
     const std::size_t pixels = static_cast<std::size_t>(lines) * instrument.pixels;
     StripQueue::Item item = queue.take(pixels * bands, pixels * layers, band_errors ? pixels * bands : 0);
     item.strip.first_line = line, item.strip.lines = lines;
+    if (rendered)
+      rendered->sums.mean(static_cast<std::size_t>(line) * instrument.pixels, pixels, item.radiance.data(),
+                          item.truth.data(), layers);
     for (int column = 0; column < instrument.pixels; column += size.columns) {
       base::throw_if_interrupted();
       const Tile tile{line, lines, column, std::min(size.columns, instrument.pixels - column)};
-      passes.run(tile, {item.radiance.data() + column * bands, item.truth.data() + column * layers, layers,
-                        band_errors ? item.band_error.data() + column * bands : nullptr});
+      const TileOutput out{item.radiance.data() + column * bands, item.truth.data() + column * layers, layers,
+                           band_errors ? item.band_error.data() + column * bands : nullptr};
+      if (!rendered)
+        passes->run(tile, out);
+      else if (passes)
+        passes->run_small_objects(tile, out);
       if (progress)
         progress(static_cast<std::uint64_t>(line) * instrument.pixels + tile.first_column * std::uint64_t(lines) +
                      tile.pixels(),
@@ -202,11 +213,57 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
     }
     queue.push(std::move(item));
   }
-  RenderStatistics statistics = passes.statistics();
+  RenderStatistics statistics = rendered ? rendered->statistics : passes->statistics();
+  if (rendered && passes) {
+    const RenderStatistics small = passes->statistics();
+    add_counts(statistics, small);
+    statistics.small_object_pixels = small.small_object_pixels;
+  }
   statistics.stage_s["write"] = queue.finish();
   statistics.tile_lines = size.lines;
   statistics.tile_columns = size.columns;
   return statistics;
+}
+
+RenderedImage Renderer::no_replicates(const scene::Instrument& instrument) const {
+  const std::size_t pixels = static_cast<std::size_t>(instrument.lines) * static_cast<std::size_t>(instrument.pixels);
+  return {ReplicateSums(pixels, instrument.bands.size(), state_->scene.materials.size()), {}};
+}
+
+void Renderer::add_replicates(const scene::Instrument& given, const plan::Plan& plan, const scene::Sun& sun,
+                              std::uint64_t seed, int count, RenderedImage& image, const ProgressSink& progress) {
+  const base::Doing doing("rendering instrument", given.name);
+  const auto start = std::chrono::steady_clock::now();
+  const double processor_before_s = base::processor_seconds();
+  scene::Instrument instrument = given;
+  instrument.small_objects = scene::SmallObjects::off;
+  const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
+  const TileSize size = tile_size(instrument, plan, state_->tuning.tile_samples);
+  TilePasses passes(setup, size.lines, size.columns, state_->row_capacity(setup.shape), state_->tile_budget());
+  const auto wide = static_cast<std::size_t>(instrument.pixels);
+  const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene).size();
+  std::vector<float> radiance, truth;
+  for (int n = 0; n < count; ++n) {
+    for (int line = 0; line < instrument.lines; line += size.lines)
+      for (int column = 0; column < instrument.pixels; column += size.columns) {
+        base::throw_if_interrupted();
+        const Tile tile{line, std::min(size.lines, instrument.lines - line), column,
+                        std::min(size.columns, instrument.pixels - column)};
+        const auto columns = static_cast<std::size_t>(tile.columns);
+        radiance.resize(tile.pixels() * bands), truth.assign(tile.pixels() * layers, 0.0f);
+        passes.run_replicate(image.sums.count(), tile, {radiance.data(), truth.data(), layers, nullptr});
+        for (std::size_t l = 0; l < static_cast<std::size_t>(tile.lines); ++l)
+          image.sums.add((static_cast<std::size_t>(line) + l) * wide + static_cast<std::size_t>(column), columns,
+                         radiance.data() + l * columns * bands, truth.data() + l * columns * layers, layers);
+      }
+    image.sums.next();
+    if (progress) progress(static_cast<std::uint64_t>(n) + 1, static_cast<std::uint64_t>(count));
+  }
+  RenderStatistics statistics = passes.statistics();
+  add_counts(statistics, image.statistics);
+  image.statistics = std::move(statistics);
+  image.render_s += base::seconds_since(start);
+  image.processor_s += base::processor_seconds() - processor_before_s;
 }
 
 RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
@@ -235,7 +292,7 @@ RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan
 
 void Renderer::probe_together(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                               std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
-  if (instrument.adaptive() || instrument.small_objects == scene::SmallObjects::on) {
+  if (instrument.adaptive() || instrument.small_objects == scene::SmallObjects::on || instrument.replicates > 1) {
     probe(instrument, plan, sun, seed, tiles, sink);
     return;
   }

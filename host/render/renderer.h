@@ -19,6 +19,7 @@
 #include "host/cl/context.h"
 #include "host/plan/plan.h"
 #include "host/render/device_tuning.h"
+#include "host/render/replicates.h"
 #include "host/render/types.h"
 #include "scene_compiler/simulation.h"
 
@@ -32,9 +33,17 @@ class Renderer {
   Renderer(Renderer&&) noexcept;
 
   /// Renders one instrument; strips arrive in line order, on one thread of their own so that writing overlaps tracing.
-  /// Throws Error(interrupted) on Ctrl-C.
+  /// `rendered`: its replicates, where they have been; then only what small objects need is traced. Throws
+  /// Error(interrupted) on Ctrl-C.
   RenderStatistics render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
-                          std::uint64_t seed, const StripSink& sink, const ProgressSink& progress = {});
+                          std::uint64_t seed, const StripSink& sink, const ProgressSink& progress = {},
+                          const RenderedImage* rendered = nullptr);
+
+  /// An image without a replicate, and `count` more of them: the very ones that render would average. Neither adaptive
+  /// samples nor standard errors.
+  RenderedImage no_replicates(const scene::Instrument& instrument) const;
+  void add_replicates(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                      std::uint64_t seed, int count, RenderedImage& image, const ProgressSink& progress = {});
 
   /// Renders tiles (first_column a multiple of 4; full width, or one line) and hands each to the sink with
   /// everything the stages said about it: of an instrument with adaptive samples only radiance and truth;
@@ -45,7 +54,7 @@ class Renderer {
                          std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
 
   /// The same in few launches, for many small tiles: they are put together as long as they take little memory, and each
-  /// is handed on by itself, bit for bit as probe does. Of adaptive samples and small objects it is probe.
+  /// is handed on by itself, bit for bit as probe does. Of adaptive samples, small objects and replicates it is probe.
   void probe_together(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                       std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
 

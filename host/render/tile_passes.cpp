@@ -8,6 +8,7 @@
 #include "host/base/interrupt.h"
 #include "host/render/adaptive.h"
 #include "host/render/picked_tiles.h"
+#include "host/render/replicates.h"
 #include "host/render/standard_error.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
@@ -32,13 +33,6 @@ StageShape shape_of(const scene::Instrument& instrument, const plan::Plan& plan)
 
 std::size_t groups_across(int columns, int width) {
   return shared::rc_groups_per_line(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(width));
-}
-
-void add(RenderStatistics& sum, const RenderStatistics& part) {
-  for (const auto& [stage, seconds] : part.stage_s) sum.stage_s[stage] += seconds;
-  sum.primary_rays += part.primary_rays, sum.sun_rays += part.sun_rays, sum.sky_rays += part.sky_rays;
-  sum.band_samples += part.band_samples;
-  sum.overflow_pixels += part.overflow_pixels, sum.per_sample_pixels += part.per_sample_pixels;
 }
 
 /// What a baked table of the plan's rows may take where small objects get the rest for their own tiles: they
@@ -66,6 +60,13 @@ std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& se
 }
 
 }  // namespace
+
+void add_counts(RenderStatistics& sum, const RenderStatistics& part) {
+  for (const auto& [stage, seconds] : part.stage_s) sum.stage_s[stage] += seconds;
+  sum.primary_rays += part.primary_rays, sum.sun_rays += part.sun_rays, sum.sky_rays += part.sky_rays;
+  sum.band_samples += part.band_samples;
+  sum.overflow_pixels += part.overflow_pixels, sum.per_sample_pixels += part.per_sample_pixels;
+}
 
 /// Groups of one count of samples, a few at a time.
 struct TilePasses::Fine {
@@ -265,6 +266,7 @@ TilePasses::Fine& TilePasses::fine(int samples) {
 }
 
 void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
+  if (!small_) return;
   const int width = setup_.shape.pixels_per_group, across = static_cast<int>(groups_across(tile.columns, width));
   const TileRays rays = tile_rays(setup_.instrument, setup_.scene, tile, width);
   struct Lot {
@@ -294,14 +296,34 @@ void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
   }
 }
 
+void TilePasses::run_replicate(int replicate, const Tile& tile, const TileOutput& out) {
+  full_.set_seed(replicate_seed(setup_.seed, replicate));
+  full_.run(tile_rays(setup_.instrument, setup_.scene, tile, setup_.shape.pixels_per_group), out);
+}
+
+void TilePasses::run_replicates(const Tile& tile, const TileOutput& out) {
+  const std::size_t pixels = tile.pixels();
+  ReplicateSums sums(pixels, setup_.shape.bands, setup_.scene.materials.size());
+  for (int replicate = 0; replicate < setup_.instrument.replicates; ++replicate) {
+    base::throw_if_interrupted();
+    run_replicate(replicate, tile, out);
+    sums.add(0, pixels, out.radiance, out.truth, out.layers);
+    sums.next();
+  }
+  spread_.add(sums.spread());
+  sums.mean(0, pixels, out.radiance, out.truth, out.layers);
+}
+
 void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
   const bool layers = out.layers > layers_;
   if (coarse_ || layers) scale();
   if (coarse_)
     run_adaptive(tile, out);
+  else if (setup_.instrument.replicates > 1)
+    run_replicates(tile, out);
   else
     run_pass(full_, tile_rays(setup_.instrument, setup_.scene, tile, setup_.shape.pixels_per_group), out, probe);
-  if (small_) run_small_objects(tile, out);
+  run_small_objects(tile, out);
   for (std::size_t p = 0; layers && p < tile.pixels(); ++p) {
     float* at = out.truth + p * out.layers + layers_;
     at[1] = at[0] <= setup_.plan.tolerance ? 0.0f : 1.0f;  // an error that is not known has not converged
@@ -330,11 +352,12 @@ RenderStatistics TilePasses::statistics() const {
     return 0u;
   };
   all.terms_p50 = histogram(0.5), all.terms_p95 = histogram(0.95);
-  for (const auto& [unused, fine] : fine_) add(all, fine->worker.statistics());
+  for (const auto& [unused, fine] : fine_) add_counts(all, fine->worker.statistics());
   all.small_object_pixels = fine_pixels_;
+  all.spread = spread_;
   if (!coarse_) return all;
-  add(all, look_->statistics());
-  add(all, coarse_->statistics());
+  add_counts(all, look_->statistics());
+  add_counts(all, coarse_->statistics());
   all.adaptive_pixels = adaptive_pixels_, all.refined_pixels = refined_pixels_;
   return all;
 }

@@ -24,8 +24,15 @@ class TilePasses {
   TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity, std::size_t table_bytes);
   ~TilePasses();
 
-  /// Renders a tile, standard-error layers included where `out` has them (its band_error may be null even so).
+  /// Renders a tile, standard-error layers included where `out` has them (its band_error may be null even so), all its
+  /// replicates and small objects. A probe has hits and visibilities of pixels that are no means of replicates.
   void run(const Tile& tile, TileOutput out, PixelProbe* probe = nullptr);
+
+  /// One replicate of a tile, without what small objects need.
+  void run_replicate(int replicate, const Tile& tile, const TileOutput& out);
+
+  /// Renders the tile's groups with small objects anew.
+  void run_small_objects(const Tile& tile, const TileOutput& out);
 
   /// Renders rays of any groups in one pass with all samples. Adaptive ones and small objects need their tile.
   void run_listed(const TileRays& rays, const TileOutput& out, PixelProbe* probe);
@@ -34,8 +41,8 @@ class TilePasses {
 
  private:
   void run_adaptive(const Tile& tile, const TileOutput& out);
-  /// Renders the tile's groups with small objects anew.
-  void run_small_objects(const Tile& tile, const TileOutput& out);
+  /// The mean of the tile's replicates.
+  void run_replicates(const Tile& tile, const TileOutput& out);
   /// A worker for so many samples a pixel, of sensors::kFineLevels.
   struct Fine;
   Fine& fine(int samples);
@@ -58,6 +65,7 @@ class TilePasses {
   TileWorker full_;
   std::size_t most_groups_;  ///< of a tile
   std::vector<float> scale_;
+  ReplicateSpread spread_;
   std::uint64_t refined_pixels_ = 0, adaptive_pixels_ = 0;
   std::size_t row_capacity_;
   std::map<int, std::unique_ptr<Fine>> fine_;  ///< by samples

@@ -47,6 +47,9 @@ class TileWorker {
   /// Renders a tile. Fills `probe` when given; its tile is set.
   void run(const TileRays& rays, const TileOutput& out, PixelProbe* probe = nullptr);
 
+  /// Another draw of samples and sky rays from here on.
+  void set_seed(std::uint64_t seed) { trace_stages_.set_seed(seed); }
+
   const RenderStatistics& statistics() const { return statistics_; }
   /// Terms per pixel seen so far, as a histogram (index = number of terms, clamped).
   const std::vector<std::uint64_t>& term_histogram() const { return term_histogram_; }

@@ -172,6 +172,7 @@ TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene&
                          const plan::Plan& plan, const StageShape& shape, std::uint64_t seed)
     : state_(std::make_unique<State>(context, scene, buffers, plan, shape, seed)) {}
 TraceStages::~TraceStages() = default;
+void TraceStages::set_seed(std::uint64_t seed) { state_->seed = static_cast<std::uint32_t>(seed); }
 
 const std::string& TraceStages::identity() const { return state_->identity; }
 std::string TraceStages::program_hash() const { return base::sha256_hex(state_->surfaces_identity); }

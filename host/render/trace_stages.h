@@ -36,6 +36,9 @@ class TraceStages {
   /// Only the primary rays of that chunk: traced.hits.
   void run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced);
 
+  /// Another draw of samples and sky rays from here on.
+  void set_seed(std::uint64_t seed);
+
   /// Text that program hashes cover: names, options and sources.
   const std::string& identity() const;
   /// SHA-256 of the same as it is where no ray goes to the sky: what primary and sun rays run.

@@ -30,20 +30,57 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, cons
   return layers;
 }
 
+namespace {
+
+/// Means over hits, of which hits without any are none.
+constexpr truth::Layer kOverHits[] = {truth::sun_fraction, truth::x_m, truth::y_m, truth::z_m, truth::range_m};
+/// The same in every image: of the pixel's centre and of the sun.
+constexpr truth::Layer kInCommon[] = {truth::view_zenith_deg, truth::view_azimuth_deg, truth::sun_zenith_deg,
+                                      truth::sun_azimuth_deg};
+
+/// The material with the largest abundance, from 1; 0: none.
+float main_material(const float* layers, std::size_t materials) {
+  float best = 0, id = 0;
+  for (std::size_t m = 0; m < materials; ++m)
+    if (layers[truth::abundance + m] > best) best = layers[truth::abundance + m], id = static_cast<float>(m + 1);
+  return id;
+}
+
+}  // namespace
+
+void add_truth(const float* layers, std::size_t materials, double* sums) {
+  const double hit = layers[truth::hit_fraction];
+  sums[truth::hit_fraction] += hit;
+  for (const auto layer : kInCommon) sums[layer] = layers[layer];
+  for (std::size_t m = 0; m < materials; ++m) sums[truth::abundance + m] += layers[truth::abundance + m];
+  if (hit == 0) return;
+  for (const auto layer : kOverHits) sums[layer] += hit * layers[layer];
+  sums[truth::sun_incidence_deg] += hit * std::cos(base::rad_from_deg(layers[truth::sun_incidence_deg]));
+}
+
+void mean_truth(const double* sums, int count, std::size_t materials, float* layers) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const double hit = sums[truth::hit_fraction];
+  layers[truth::hit_fraction] = static_cast<float>(hit / count);
+  for (const auto layer : kInCommon) layers[layer] = static_cast<float>(sums[layer]);
+  for (const auto layer : kOverHits) layers[layer] = hit > 0 ? static_cast<float>(sums[layer] / hit) : kNone;
+  if (hit == 0) layers[truth::sun_fraction] = 0;
+  layers[truth::sun_incidence_deg] =
+      hit > 0 ? static_cast<float>(
+                    base::deg_from_rad(std::acos(std::clamp(sums[truth::sun_incidence_deg] / hit, -1.0, 1.0))))
+              : kNone;
+  for (std::size_t m = 0; m < materials; ++m)
+    layers[truth::abundance + m] = static_cast<float>(sums[truth::abundance + m] / count);
+  layers[truth::material_id] = main_material(layers, materials);
+}
+
 void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun& sun, float* layers) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const float hit = pixel.sums[RC_TRUTH_HIT];
   const auto mean = [&](int sum) { return hit > 0 ? pixel.sums[sum] / hit : kNone; };
 
-  float best = 0;
-  layers[truth::material_id] = 0;
-  for (std::size_t m = 0; m < materials; ++m) {
-    layers[truth::abundance + m] = pixel.abundance[m];
-    if (pixel.abundance[m] > best) {
-      best = pixel.abundance[m];
-      layers[truth::material_id] = static_cast<float>(m + 1);
-    }
-  }
+  for (std::size_t m = 0; m < materials; ++m) layers[truth::abundance + m] = pixel.abundance[m];
+  layers[truth::material_id] = main_material(layers, materials);
   layers[truth::hit_fraction] = hit;
   layers[truth::sun_fraction] = hit > 0 ? pixel.sums[RC_TRUTH_SUN] / hit : 0.0f;
   layers[truth::x_m] = mean(RC_TRUTH_X);

@@ -42,4 +42,10 @@ struct PixelTruth {
 /// Fills one pixel's layers (truth_layer_names().size() floats).
 void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun& sun, float* layers);
 
+/// Adds one image's layers of a pixel to sums of as many, in which means over hits are weighted by the hits.
+void add_truth(const float* layers, std::size_t materials, double* sums);
+
+/// Layers of the mean of `count` images, from their sums.
+void mean_truth(const double* sums, int count, std::size_t materials, float* layers);
+
 }  // namespace raycube::render

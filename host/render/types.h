@@ -37,6 +37,15 @@ struct Strip {
 using StripSink = std::function<void(const Strip&)>;
 using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;
 
+/// What a mean over replicates errs, as sums over pixels for each band: tiles and images add.
+struct ReplicateSpread {
+  double pixels = 0;
+  std::vector<double> radiance;  ///< of the mean
+  std::vector<double> square;    ///< of the mean's error: sum over replicates of (x - mean)^2 / (R (R - 1))
+  std::vector<double> noise;     ///< variance of `square` by Gaussian draws, for which square^2 2 / (R + 1) stands
+  void add(const ReplicateSpread& other);
+};
+
 /// What a render did and took.
 struct RenderStatistics {
   std::map<std::string, double> stage_s;  ///< wall seconds by stage, of a device's from launch to end
@@ -49,9 +58,13 @@ struct RenderStatistics {
   std::string trace_program_hash;  ///< of the tracing program alone
   std::string build_options;
   int tile_lines = 0, tile_columns = 0;
+  ReplicateSpread spread;                                 ///< of an image that is a mean of replicates
   std::map<int, std::uint64_t> small_object_pixels;       ///< by samples: rendered anew for small objects
   std::uint64_t adaptive_pixels = 0, refined_pixels = 0;  ///< given a first look; of these, rendered with all samples
 };
+
+/// Adds times and counts of another part of the same render; what is of the whole stays.
+void add_counts(RenderStatistics& sum, const RenderStatistics& part);
 
 /// First hits of a tile's rays.
 struct HitProbe {

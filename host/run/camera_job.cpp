@@ -82,6 +82,8 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   for (const auto& note : job.decision.notes) services.log.warning(note);
   job.plan_s = base::seconds_since(start);
   job.plan_processor_s = base::processor_seconds() - processor_before_s;
+  if (job.decision.image)  // which is the render's
+    job.plan_s -= job.decision.image->render_s, job.plan_processor_s -= job.decision.image->processor_s;
   services.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +
                       std::to_string(job.plan_s) + " s");
   services.log.debug(plan_json(job).dump(2));

@@ -54,8 +54,9 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
     if (progress) progress(waiting.size());
     waiting.clear();
   };
-  scene::Instrument in_full = instrument;  // adaptive pixels keep no samples to compare
+  scene::Instrument in_full = instrument;  // adaptive pixels and means of replicates keep no samples to compare
   in_full.first_samples = 0;
+  in_full.replicates = 1;                            // the others are traced alike
   in_full.small_objects = scene::SmallObjects::off;  // theirs are check_small_objects' matter
   renderer.probe(in_full, plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe& probe) {
     const auto samples = static_cast<std::size_t>(probe.samples);

@@ -23,11 +23,11 @@ namespace {
 /// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
 /// not kept. A run that is whole is not lost because its error cannot be told.
 void add_error(render::Renderer& renderer, const scene::Simulation& simulation, const CameraJob& job,
-               products::RunRecord& record, Services& services) {
+               const render::ReplicateSpread& spread, products::RunRecord& record, Services& services) {
   planner::OwnError error;
   try {
-    error =
-        planner::own_error(renderer, simulation, *job.instrument, job.plan, job.table, job.decision, services.threads);
+    error = planner::own_error(renderer, simulation, *job.instrument, job.plan, job.table, job.decision, spread,
+                               services.threads);
   } catch (const base::Error& failure) {
     if (failure.fault() == base::Fault::interrupted) throw;
     services.log.warning(job.instrument->name + ": its error is not known: " + failure.what());
@@ -73,7 +73,7 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.samples = instrument.pixels;
   record.lines = instrument.lines;
   record.bands = static_cast<std::int64_t>(instrument.bands.size());
-  record.samples_per_pixel = instrument.samples_u * instrument.samples_v;
+  record.samples_per_pixel = instrument.all_samples();
   record.stage_s = {{"load", destination.load_s}, {"atmosphere", job.table_s}, {"plan", job.plan_s}};
   for (const auto& stage : statistics.stage_s) record.stage_s.push_back(stage);
   record.total_s = destination.load_s + job.table_s + job.plan_s + took.render_s;
@@ -154,7 +154,8 @@ render::RenderStatistics render_into(CubeProducts& output, const scene::Simulati
       [&](std::uint64_t done, std::uint64_t) {
         step.advance(done - reported);
         reported = done;
-      });
+      },
+      job.decision.image.get());
 }
 
 }  // namespace
@@ -170,7 +171,9 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   CubeProducts output(destination.folder, destination.if_exists, simulation, job);
   const auto statistics = render_into(output, simulation, job, renderer, services);
   output.complete();
-  const Took took{base::seconds_since(start), base::processor_seconds() - processor_before_s};
+  Took took{base::seconds_since(start), base::processor_seconds() - processor_before_s};
+  if (job.decision.image)  // which the planner rendered
+    took.render_s += job.decision.image->render_s, took.processor_s += job.decision.image->processor_s;
 
   products::RunRecord record =
       record_of(simulation, job, renderer, options, destination, statistics, took, services.threads);
@@ -181,7 +184,7 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
     record.warnings.insert(record.warnings.end(), more->begin(), more->end());
   record.more_json.emplace_back("missed_samples", output.missed().json());
   if (output.missed().any()) add_warning(output.missed().text(), record, services);
-  add_error(renderer, simulation, job, record, services);
+  add_error(renderer, simulation, job, statistics.spread, record, services);
   output.publish(record);
   services.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
                                 instrument.pixels, instrument.lines, instrument.bands.size(), took.render_s,

@@ -119,7 +119,7 @@ scene::Instrument with_fine_samples(const scene::Instrument& instrument, int sam
   const bool box = instrument.box_pixels();
   const int side = static_cast<int>(std::lround(std::sqrt(samples)));
   fine.sampler = box ? scene::SamplerKind::lattice : scene::SamplerKind::jittered;
-  fine.samples_u = box ? samples : side, fine.samples_v = box ? 1 : side;
+  fine.samples_u = box ? samples : side, fine.samples_v = box ? 1 : side, fine.replicates = 1;
   return fine;
 }
 
@@ -228,6 +228,7 @@ void SmallObjectPixels::set_samples(const scene::Instrument& instrument) {
   scene::Instrument& own = state_->instrument;
   own.sampler = instrument.sampler;
   own.samples_u = instrument.samples_u, own.samples_v = instrument.samples_v;
+  own.replicates = instrument.replicates;
   own.first_samples = instrument.first_samples;
 }
 
@@ -303,7 +304,7 @@ double SmallObjectPixels::needed(std::span<const ObjectInPixel> seen) const {
 
 int SmallObjectPixels::samples_of(std::span<const ObjectInPixel> seen) const {
   const State& s = *state_;
-  const int ordinary = s.instrument.samples_u * s.instrument.samples_v, finest = finest_level(s.instrument);
+  const int ordinary = s.instrument.all_samples(), finest = finest_level(s.instrument);
   const double needed = this->needed(seen);
   if (needed <= ordinary) return 0;
   const auto* const level =
@@ -335,7 +336,7 @@ SmallObjectSurvey survey_small_objects(SmallObjectPixels small, const scene::Ins
   survey.textures = small.objects().textures;
   if (small.empty()) return survey;
   // Of adaptive samples a pixel surely has those of the first look.
-  const int width = pixels_per_group(instrument), whole = instrument.samples_u * instrument.samples_v,
+  const int width = pixels_per_group(instrument), whole = instrument.all_samples(),
             ordinary = instrument.adaptive() ? instrument.first_samples : whole;
   const double area = std::max(1.0, instrument.psf_support_px) * std::max(1.0, instrument.psf_support_px);
   std::map<std::uint32_t, SmallObjectSurvey::Object> objects;

@@ -36,7 +36,7 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
                    const ConvergedSettings& settings, const std::function<void(std::uint64_t)>& progress) {
   scene::Instrument fine = instrument;
   fine.sampler = scene::SamplerKind::jittered;
-  fine.samples_u = fine.samples_v = settings.grid;
+  fine.samples_u = fine.samples_v = settings.grid, fine.replicates = 1;
   const reference::ReferenceScene scene(simulation.scene);
   // The second half's sky is turned by half the spiral's step, so that what the spiral itself is off shows between
   // them.

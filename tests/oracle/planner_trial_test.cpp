@@ -12,6 +12,8 @@
 #include "host/planner/plan_file.h"
 #include "host/planner/plan_lines.h"
 #include "host/planner/planner.h"
+#include "host/planner/replicated.h"
+#include "host/render/truth.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
 
@@ -100,6 +102,7 @@ double achieved(render::Renderer& renderer, const scene::Simulation& simulation,
                 const plan::Plan& plan, const std::function<double(int column)>& want_of) {
   scene::Instrument camera = simulation.instruments[0];
   camera.sampler = sampling.sampler, camera.samples_u = sampling.samples_u, camera.samples_v = sampling.samples_v;
+  camera.replicates = sampling.replicates;
   double squares = 0, mean = 0;
   renderer.probe(camera, plan, simulation.sun, simulation.seed, {{0, 64, 0, 64}}, [&](const render::PixelProbe& probe) {
     for (std::size_t p = 0; p < 64 * 64; ++p) {
@@ -113,7 +116,8 @@ double achieved(render::Renderer& renderer, const scene::Simulation& simulation,
 }  // namespace
 
 TEST_CASE("S60: a plane of one reflectance under an open sky needs one sample and one direction") {
-  const Stripes scene(5.37 * kGsd_m, kDark);
+  Stripes scene(5.37 * kGsd_m, kDark);
+  scene.simulation.instruments[0].standard_error = scene::StandardError::worst;  // which takes a trial
   const plan::Plan plan = plan_of(scene.simulation);
   render::Renderer renderer(scene.simulation.scene, {});
   const Decision d = decide(renderer, scene.simulation, scene.simulation.instruments[0], plan, sky_of_one(), false);
@@ -123,6 +127,13 @@ TEST_CASE("S60: a plane of one reflectance under an open sky needs one sample an
   CHECK(d.notes.empty());
   CHECK(d.samples_error < 1e-5);
   CHECK(d.sky_error < 1e-5);
+  // Rendered at once it takes the fewest replicates, which is less than a trial.
+  scene::Simulation plain = scene.simulation;
+  plain.instruments[0].standard_error = scene::StandardError::off;
+  const Decision at_once = decide(renderer, plain, plain.instruments[0], plan, sky_of_one(), false);
+  REQUIRE(at_once.image);
+  CHECK(at_once.sampling.replicates == 4);
+  CHECK(at_once.total_error < 1e-4);
 }
 
 TEST_CASE("S60: the trial finds the sampling error of stripes that integration gives") {
@@ -188,7 +199,97 @@ TEST_CASE("S61: planned samples keep their tolerance on all pixels, and finer to
     CHECK(d.total_error <= tolerance);
     CHECK(d.s_per_megapixel >= last_cost);
     last_cost = d.s_per_megapixel;
+    scene::Simulation tried = simulation;
+    tried.instruments[0].standard_error = scene::StandardError::worst;  // which takes a trial
+    const Decision by_trial = decide(renderer, tried, tried.instruments[0], plan, sky_of_one(), false);
+    CHECK_FALSE(by_trial.image);
+    REQUIRE(by_trial.within);
+    CHECK(achieved(renderer, simulation, by_trial.sampling, plan, want) <= tolerance);
   }
+}
+
+TEST_CASE("S61: an image that costs less than a trial is its replicates, the same when rendered anew") {
+  // The second scene has a bright plate of a tenth of a pixel, which small objects render by themselves.
+  const Stripes scene(5.37 * kGsd_m);
+  scene::Simulation simulation = scene.simulation;
+  simulation.tolerance = 0.03;
+  scene::Instrument& camera = simulation.instruments[0];
+  for (const bool small : {false, true}) {
+    if (small) {
+      const float side = 0.3f * static_cast<float>(kGsd_m);
+      test::place(simulation.scene, test::rectangle({1.1f, 2.3f, 0.001f}, {side, 0, 0}, {0, side, 0},
+                                                    test::add_material(simulation.scene, "plate", 0.9)));
+      finish_top_tree(simulation.scene);
+      camera.small_objects = scene::SmallObjects::on;
+    }
+    render::Renderer renderer(simulation.scene, {});
+    plan::Plan plan = plan_of(simulation);
+    Decision d = decide(renderer, simulation, camera, plan, sky_of_one(), false);
+    REQUIRE(d.image);
+    CHECK(d.sampling.replicates == d.image->sums.count());
+    CHECK(d.sampling.replicates >= 4);
+    add_small_objects(d, camera, sensors::SmallObjectPixels(simulation.scene, camera));
+    scene::Instrument planned = camera;
+    apply(d, planned, plan);
+    CHECK((planned.small_objects == scene::SmallObjects::on) == small);
+    const auto image = [&](int tile_lines, const render::RenderedImage* rendered, render::RenderStatistics& found) {
+      render::RenderOptions options;
+      options.tile_lines = tile_lines;
+      render::Renderer other(simulation.scene, options);
+      std::vector<float> all;
+      found = other.render(
+          planned, plan, simulation.sun, simulation.seed,
+          [&](const render::Strip& strip) {
+            const std::size_t pixels = static_cast<std::size_t>(strip.lines) * 64,
+                              layers = render::truth_layer_names(simulation.scene).size();
+            all.insert(all.end(), strip.radiance, strip.radiance + pixels * camera.bands.size());
+            for (std::size_t i = 0; i < pixels * layers; ++i)  // not a number is not itself
+              all.push_back(std::isnan(strip.truth[i]) ? -1e30f : strip.truth[i]);
+          },
+          {}, rendered);
+      return all;
+    };
+    render::RenderStatistics kept, anew, narrow;
+    const auto from_kept = image(64, d.image.get(), kept);
+    CHECK(from_kept == image(64, nullptr, anew));
+    CHECK(kept.primary_rays == anew.primary_rays);
+    CHECK(kept.sky_rays == anew.sky_rays);
+    CHECK(kept.small_object_pixels == anew.small_object_pixels);
+    CHECK(anew.small_object_pixels.empty() != small);
+    // What a render anew says of its error is what the planner was told, in tiles of any height.
+    const TrialError told = error_of(d.image->sums.spread()), again = error_of(anew.spread);
+    CHECK(std::abs(again.bound - told.bound) < 1e-12);
+    static_cast<void>(image(5, nullptr, narrow));
+    CHECK(std::abs(error_of(narrow.spread).bound - told.bound) < 1e-9);
+    CHECK(std::abs(std::hypot(d.plan_error, told.bound) - d.total_error) < 1e-12);
+    CHECK(d.within);
+    if (small) continue;
+    // Against integration; of some 1500 pixels with an edge, as above.
+    const auto want = [&](int column) { return kDark + (kBright - kDark) * scene.exact(column); };
+    CHECK(std::abs(achieved(renderer, simulation, d.sampling, plan, want) / told.estimate - 1) < 0.05);
+  }
+}
+
+TEST_CASE("S61: replicates are left where they would cost more than a trial") {
+  const Stripes scene(5.37 * kGsd_m);
+  scene::Simulation simulation = scene.simulation;
+  simulation.tolerance = 0.002;  // some hundred of them
+  render::Renderer renderer(simulation.scene, {});
+  const Decision d = decide(renderer, simulation, simulation.instruments[0], plan_of(simulation), sky_of_one(), false);
+  CHECK_FALSE(d.image);
+  CHECK(d.sampling.replicates == 1);
+  CHECK(d.within);
+  for (const auto change : {0, 1, 2, 3}) {
+    scene::Simulation other = simulation;
+    scene::Instrument& camera = other.instruments[0];
+    if (change == 0) camera.samples_given = true;
+    if (change == 1) other.sky_directions_given = true;
+    if (change == 2) camera.psf_sigma_px = 0.5, camera.psf_support_px = 4;
+    if (change == 3) camera.standard_error = scene::StandardError::worst;
+    CAPTURE(change);
+    CHECK_FALSE(may_replicate(other, camera, plan_of(other)));
+  }
+  CHECK(may_replicate(simulation, simulation.instruments[0], plan_of(simulation)));
 }
 
 TEST_CASE("S61: under a point spread cells are chosen, whose weighing counts as their error") {
@@ -214,6 +315,7 @@ TEST_CASE("S61: under a point spread cells are chosen, whose weighing counts as 
 TEST_CASE("S60: where the look's samples just do they are taken, and no more directions than the open sky needs") {
   const Stripes scene(5.37 * kGsd_m);
   scene::Simulation simulation = scene.simulation;
+  simulation.instruments[0].standard_error = scene::StandardError::worst;  // which takes a trial
   render::Renderer renderer(simulation.scene, {});
   {
     const plan::Plan plan = plan_of(simulation);
