@@ -83,7 +83,7 @@ def render(launcher, name, side_m, grid, sky, seed):
         stdout=subprocess.DEVNULL,
     )
     record = json.loads((out / "camera/run.json").read_text())
-    seconds = sum(s for stage, s in record["stage_s"].items() if stage not in ("load", "atmosphere", "plan", "write"))
+    seconds = sum(s for stage, s in record["stage_s"].items() if stage not in ("load", "atmosphere", "kernels", "plan", "write"))
     return np.fromfile(out / "camera/radiance.img", "<f4").reshape(3, pixels, pixels).astype(float), seconds
 
 

@@ -1,6 +1,7 @@
 #include "host/plan/plan_errors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -39,6 +40,27 @@ Line make_line(Sample sample, Counts counts) {
 }  // namespace
 
 namespace {
+
+constexpr int kSkyStep = 4;  ///< every so many positions the sky is summed up, by cubics between
+static_assert((kLinePositions - 1) == 3 * kSkyStep);
+
+/// Irradiance of the sky at every position of the line of heights. The sky falls off smoothly with height, and its sums
+/// over all directions are the dearest part of a plan.
+std::vector<Spectrum> irradiance_along(const TableSpectra& air, const Domain& domain, Sky kind) {
+  std::array<Spectrum, 4> at;
+  for (int k = 0; k < 4; ++k)
+    at[static_cast<std::size_t>(k)] = coarse_sky_irradiance(air, domain.z(static_cast<double>(k) / 3), kind);
+  std::vector<Spectrum> out;
+  for (int p = 0; p < kLinePositions; ++p) {
+    const double t = static_cast<double>(p) / kSkyStep;
+    const std::array<double, 4> weight = {-(t - 1) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2,
+                                          -t * (t - 1) * (t - 3) / 2, t * (t - 1) * (t - 2) / 6};
+    Spectrum& here = out.emplace_back(air.size(), 0.0);
+    for (std::size_t k = 0; k < 4; ++k)
+      for (std::size_t i = 0; i < here.size(); ++i) here[i] += weight[k] * at[k][i];
+  }
+  return out;
+}
 
 /// Of a surface of mean emissivity: band means of B T_view.
 Bands emitted_bands(const TableSpectra& air, const BandSpace& bands, const Spectrum& planck, double z, double sec) {
@@ -162,12 +184,9 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
   const auto inside = [&](double x, double y) { return std::hypot(x, y) <= domain.horizontal_max() + 1e-6; };
   if (domain.z_hi > domain.z_lo) {
     std::vector<Line> source, path;
-    std::vector<Spectrum> sky, thermal_sky;
-    for (int p = 0; p < kLinePositions; ++p) {
-      const double z = domain.z(static_cast<double>(p) / (kLinePositions - 1));
-      sky.push_back(coarse_sky_irradiance(air, z));
-      if (emits) thermal_sky.push_back(coarse_sky_irradiance(air, z, Sky::thermal));
-    }
+    const std::vector<Spectrum> sky = irradiance_along(air, domain, Sky::solar),
+                                thermal_sky =
+                                    emits ? irradiance_along(air, domain, Sky::thermal) : std::vector<Spectrum>{};
     for (const double v : {0.0, 1.0}) {
       source.push_back(make_line([&](double t) { return sun_bands(domain.z(t), domain.sec(v)); }, always));
       source.push_back(make_line(

@@ -19,6 +19,7 @@ using Eigen::VectorXd;
 
 /// Wavelengths that take part in the decomposition; spectra are projected at all of them afterwards.
 constexpr std::size_t kDecomposed = 64;
+constexpr Index kTogether = 64;  ///< wavelengths whose sky is sampled at once
 constexpr int kReweightings = 10, kLimitings = 24;
 /// Part of a band's typical light below which its sky takes the mean shape.
 constexpr double kUnimportant = 1e-3;
@@ -52,11 +53,17 @@ std::vector<double> refine(std::vector<double> axis, Widest widest) {
 }
 
 /// Radiance at every node of the maps: rows are nodes, columns wavelengths.
-MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky) {
-  MatrixXd radiance(static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
-  table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad, sky,
+MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky, Index first,
+                    Index count) {
+  MatrixXd radiance(static_cast<Index>(basis.nodes()), count);
+  table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad, sky, static_cast<std::size_t>(first),
+                 static_cast<std::size_t>(count),
                  std::span(radiance.data(), static_cast<std::size_t>(radiance.size())));
   return radiance;
+}
+
+MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky) {
+  return sample_sky(basis, table, height_m, sky, 0, static_cast<Index>(table.size()));
 }
 
 VectorXd vector_of(const std::vector<double>& v) {
@@ -329,13 +336,22 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
   SkySpectra out;
   for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
   if (factors.rank == 0) return out;
-  MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky);
-  const VectorXd sampled = normalise(shape, vector_of(cosine_weights(factors.basis)));
-  if (flux_scale) *flux_scale = scale_to_flux(sampled, table, height_m);
-  const VectorXd irradiance = flux_of(sampled, table, height_m, factors.sky);
   const MatrixXd maps = load(factors.basis, factors.rank);
-  return spectra_of(
-      irradiance, with_mean_shapes(project(shape, maps, fit_weights(factors.basis, maps.col(0))), factors.mean_shape));
+  const VectorXd weight = fit_weights(factors.basis, maps.col(0)), q = vector_of(cosine_weights(factors.basis));
+  const Index wavelengths = static_cast<Index>(table.size());
+  MatrixXd c(maps.cols(), wavelengths);
+  VectorXd sampled(wavelengths);
+  for (Index first = 0; first < wavelengths; first += kTogether) {  // all of them are 30 MB of fresh pages
+    MatrixXd shape =
+        sample_sky(factors.basis, table, height_m, factors.sky, first, std::min(kTogether, wavelengths - first));
+    sampled.segment(first, shape.cols()) = normalise(shape, q);
+    c.middleCols(first, shape.cols()) = project(shape, maps, weight);
+  }
+  const double faintest = kFaintest * sampled.maxCoeff();
+  for (Index l = 0; l < wavelengths; ++l)
+    if (!(sampled[l] > faintest)) c.col(l).tail(c.rows() - 1).setZero();
+  if (flux_scale) *flux_scale = scale_to_flux(sampled, table, height_m);
+  return spectra_of(flux_of(sampled, table, height_m, factors.sky), with_mean_shapes(std::move(c), factors.mean_shape));
 }
 
 double same_sky_scale(double sampled, double flux) {
@@ -345,8 +361,13 @@ double same_sky_scale(double sampled, double flux) {
 Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad) {
   if (!table.has_sky()) return Spectrum(table.size(), 1.0);
   const SkyBasis basis = basis_of(table, sun_zenith_rad, Sky::solar);
-  return scale_to_flux(sample_sky(basis, table, height_m, Sky::solar).transpose() * vector_of(cosine_weights(basis)),
-                       table, height_m);
+  const VectorXd q = vector_of(cosine_weights(basis));
+  VectorXd sampled(static_cast<Index>(table.size()));
+  for (Index first = 0; first < sampled.size(); first += kTogether) {
+    const Index count = std::min(kTogether, sampled.size() - first);
+    sampled.segment(first, count) = sample_sky(basis, table, height_m, Sky::solar, first, count).transpose() * q;
+  }
+  return scale_to_flux(sampled, table, height_m);
 }
 
 Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky sky) {

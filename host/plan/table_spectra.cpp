@@ -71,12 +71,15 @@ class SolarSky {
       : node_zenith_(sky_zenith),
         node_azimuth_(sky_azimuth),
         heights_(heights),
-        grid_zenith_(zenith_rad),
         sky_(table, table.need("sky_radiance_solar", "skylight"), "sky_zenith", "sky_azimuth"),
         sun_zenith_(table.sun_zenith_deg / base::deg_from_rad(1)),
         cos_sun_(std::cos(sun_zenith_)),
         plain_(sky_zenith.size() * sky_azimuth.size()),
-        rest_(plain_.size()) {
+        rest_(plain_.size()),
+        plain_row_(sky_azimuth.size()),
+        rest_row_(sky_azimuth.size()) {
+    for (const double t : zenith_rad) grid_cos_.push_back(std::cos(t));
+    for (const double t : sky_zenith) node_cos_.push_back(std::cos(t));
     for (const double t : zenith_rad) zenith_cell_.push_back(find_cell(sky_zenith, t));
     for (const double f : azimuth_rad) azimuth_cell_.push_back(find_cell(sky_azimuth, f));
     if (!table.has("sky_phase_mean") || !table.has("sky_scattering_depth")) return;
@@ -85,6 +88,7 @@ class SolarSky {
     const auto& angles = table.axis("scattering_angle").nodes;
     node_angle_ = scattering_angles(angles, sky_zenith, sky_azimuth);
     grid_angle_ = scattering_angles(angles, zenith_rad, azimuth_rad);
+    phase_here_.resize(angles.size());
     around_sun_ =
         atmos::nodes_around_sun(table.axis("sky_zenith").nodes, table.axis("sky_azimuth").nodes, table.sun_zenith_deg);
   }
@@ -95,17 +99,23 @@ class SolarSky {
     const double once = shaped() ? once_scattered(wavelength, shape) : 0;
     divide_nodes(wavelength, shape, once);
     const double depth = heights_.weight[0] * shape.depth[0] + heights_.weight[1] * shape.depth[1];
+    if (shaped())
+      for (std::size_t k = 0; k < phase_here_.size(); ++k)
+        phase_here_[k] = heights_.weight[0] * double{shape.phase[0][k * phase_.a]} +
+                         heights_.weight[1] * double{shape.phase[1][k * phase_.a]};
     for (std::size_t z = 0; z < zenith_cell_.size(); ++z) {
-      const double fall = shaped() ? atmos::sky_shape(1.0, depth, cos_sun_, std::cos(grid_zenith_[z])) : 0;
+      const double fall = shaped() ? atmos::sky_shape(1.0, depth, cos_sun_, grid_cos_[z]) : 0;
+      if (shaped()) take_row(rest_, zenith_cell_[z], rest_row_);
+      take_row(plain_, zenith_cell_[z], plain_row_);
       for (std::size_t f = 0; f < azimuth_cell_.size(); ++f) {
         const std::size_t n = z * azimuth_cell_.size() + f;
         double value = kNoShape;
         if (shaped()) {
-          const double p = heights_.weight[0] * phase_at(shape.phase[0], grid_angle_[n]) +
-                           heights_.weight[1] * phase_at(shape.phase[1], grid_angle_[n]);
-          value = (once * p + bilinear(rest_, zenith_cell_[z], azimuth_cell_[f])) * fall;
+          const Cell& angle = grid_angle_[n];
+          const double p = between(phase_here_, angle);
+          value = (once * p + between(rest_row_, azimuth_cell_[f])) * fall;
         }
-        if (std::isnan(value)) value = bilinear(plain_, zenith_cell_[z], azimuth_cell_[f]);
+        if (std::isnan(value)) value = between(plain_row_, azimuth_cell_[f]);
         out[n] = std::max(0.0, value);
       }
     }
@@ -162,7 +172,7 @@ class SolarSky {
     for (std::size_t h = 0; h < heights_.count; ++h) {
       std::vector<atmos::SkyNode> list;
       for (const auto& [z, f] : around_sun_) {
-        const double fall = atmos::sky_shape(1.0, shape.depth[h], cos_sun_, std::cos(node_zenith_[z]));
+        const double fall = atmos::sky_shape(1.0, shape.depth[h], cos_sun_, node_cos_[z]);
         if (fall > 0)
           list.push_back({phase_at(shape.phase[h], node_angle_[z * node_azimuth_.size() + f]),
                           sky_at(wavelength, h, z, f) / fall});
@@ -178,7 +188,7 @@ class SolarSky {
     std::fill(rest_.begin(), rest_.end(), shaped() ? 0.0 : kNoShape);
     for (std::size_t z = 0; z < node_zenith_.size(); ++z)
       for (std::size_t h = 0; h < heights_.count; ++h) {
-        const double fall = shaped() ? atmos::sky_shape(1.0, shape.depth[h], cos_sun_, std::cos(node_zenith_[z])) : 0;
+        const double fall = shaped() ? atmos::sky_shape(1.0, shape.depth[h], cos_sun_, node_cos_[z]) : 0;
         for (std::size_t f = 0; f < node_azimuth_.size(); ++f) {
           const std::size_t n = z * node_azimuth_.size() + f;
           const double value = sky_at(wavelength, h, z, f);
@@ -191,23 +201,27 @@ class SolarSky {
       }
   }
 
-  double bilinear(const std::vector<double>& v, const Cell& z, const Cell& f) const {
-    const double* at = &v[z.index * node_azimuth_.size() + f.index];
-    const std::size_t row = z.fraction > 0 ? node_azimuth_.size() : 0, next = f.fraction > 0 ? 1 : 0;
-    return (1 - z.fraction) * ((1 - f.fraction) * at[0] + f.fraction * at[next]) +
-           z.fraction * ((1 - f.fraction) * at[row] + f.fraction * at[row + next]);
+  /// A line of nodes at this zenith angle. A node without a shape leaves its cells without.
+  void take_row(const std::vector<double>& v, const Cell& z, std::vector<double>& row) const {
+    const double *at = &v[z.index * node_azimuth_.size()], *next = at + (z.fraction > 0 ? node_azimuth_.size() : 0);
+    for (std::size_t f = 0; f < row.size(); ++f) row[f] = (1 - z.fraction) * at[f] + z.fraction * next[f];
+  }
+
+  static double between(const std::vector<double>& v, const Cell& at) {
+    return (1 - at.fraction) * v[at.index] + at.fraction * v[at.index + (at.fraction > 0 ? 1 : 0)];
   }
 
   const std::vector<double>&node_zenith_, &node_azimuth_;
   const HeightNodes& heights_;
-  const std::vector<double>& grid_zenith_;
   View sky_;
   View depth_, phase_;  ///< empty where the table does not know the sky's shape
   double sun_zenith_, cos_sun_;
   std::vector<Cell> zenith_cell_, azimuth_cell_;
   std::vector<Cell> node_angle_, grid_angle_;  ///< of the table's nodes, of the grid's
   std::vector<std::pair<std::size_t, std::size_t>> around_sun_;
-  std::vector<double> plain_, rest_;  ///< [zenith][azimuth] of the table, of the wavelength in hand
+  std::vector<double> grid_cos_, node_cos_;  ///< of the zenith angles
+  std::vector<double> plain_, rest_;         ///< [zenith][azimuth] of the table, of the wavelength in hand
+  std::vector<double> plain_row_, rest_row_, phase_here_;  ///< of the zenith angle, and of the wavelength in hand
 };
 
 /// What the air sends back of light that the ground sent up, per unit of that.
@@ -370,6 +384,12 @@ Spectrum TableSpectra::diffuse_view_transmission(double height_m, double zenith_
 
 void TableSpectra::sky_grid(double height_m, const std::vector<double>& zenith_rad,
                             const std::vector<double>& azimuth_rad, Sky kind, std::span<double> out) const {
+  sky_grid(height_m, zenith_rad, azimuth_rad, kind, 0, count_, out);
+}
+
+void TableSpectra::sky_grid(double height_m, const std::vector<double>& zenith_rad,
+                            const std::vector<double>& azimuth_rad, Sky kind, std::size_t from, std::size_t count,
+                            std::span<double> out) const {
   const std::size_t azimuths = azimuth_rad.size(), directions = zenith_rad.size() * azimuths;
   if (!has_sky(kind)) {
     std::fill(out.begin(), out.end(), 0.0);
@@ -379,23 +399,24 @@ void TableSpectra::sky_grid(double height_m, const std::vector<double>& zenith_r
     for (std::size_t z = 0; z < zenith_rad.size(); ++z) {
       const Spectrum emitted = slice(atmos::sky_radiance_thermal(table_, clamp_height(height_m),
                                                                  std::min(base::deg_from_rad(zenith_rad[z]), 90.0)));
-      for (std::size_t i = 0; i < count_; ++i)
-        std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(i * directions + z * azimuths), azimuths, emitted[i]);
+      for (std::size_t i = 0; i < count; ++i)
+        std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(i * directions + z * azimuths), azimuths,
+                    emitted[from + i]);
     }
     return;
   }
   const HeightNodes heights(table_, clamp_height(height_m));
   SolarSky sky(table_, sky_zenith_, sky_azimuth_, heights, zenith_rad, azimuth_rad);
-  for (std::size_t i = 0; i < count_; ++i) sky.sample(first_ + i, out.subspan(i * directions, directions));
+  for (std::size_t i = 0; i < count; ++i) sky.sample(first_ + from + i, out.subspan(i * directions, directions));
   if (!couples_ground()) return;
   // What the ground sent up and the air sends back: the same at all azimuths.
   const Spectrum up = ground_radiance(height_m);
   const GroundReturn back(table_, heights);
   for (std::size_t z = 0; z < zenith_rad.size(); ++z) {
     const Cell cell = find_cell(sky_zenith_, zenith_rad[z]);
-    for (std::size_t i = 0; i < count_; ++i) {
-      const double t = back.at(first_ + i, cell);
-      for (std::size_t a = 0; a < azimuths; ++a) out[i * directions + z * azimuths + a] += ground_[i] * up[i] * t;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double t = ground_[from + i] * up[from + i] * back.at(first_ + from + i, cell);
+      for (std::size_t a = 0; a < azimuths; ++a) out[i * directions + z * azimuths + a] += t;
     }
   }
 }

@@ -67,6 +67,9 @@ class TableSpectra {
   /// once per node instead of per call.
   void sky_grid(double height_m, const std::vector<double>& zenith_rad, const std::vector<double>& azimuth_rad, Sky sky,
                 std::span<double> out) const;
+  /// Of `count` wavelengths from this one on, counted as size() does.
+  void sky_grid(double height_m, const std::vector<double>& zenith_rad, const std::vector<double>& azimuth_rad, Sky sky,
+                std::size_t from, std::size_t count, std::span<double> out) const;
 
  private:
   Spectrum slice(const Spectrum& whole) const;

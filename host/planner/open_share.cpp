@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/planner/pixel_trial.h"
+#include "host/planner/replicated.h"
 #include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
@@ -24,14 +25,21 @@ struct Seen {
 
 }  // namespace
 
+scene::Instrument first_launched(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                                 const plan::Plan& plan) {
+  scene::Instrument few = instrument;
+  if (!few.samples_given)
+    give_samples(few, may_replicate(simulation, few, plan) ? kReplicateSamples : sample_pattern(few).look);
+  few.first_samples = 0, few.small_objects = scene::SmallObjects::off, few.standard_error = scene::StandardError::off;
+  return few;
+}
+
 void measure_open_share(render::Renderer& renderer, const scene::Simulation& simulation,
                         const scene::Instrument& instrument, plan::Plan& plan) {
   plan.sky.open_share.clear();
   if (plan.components() == 0) return;
   const auto& scene = simulation.scene;
-  scene::Instrument few = instrument;
-  if (!few.samples_given) give_samples(few, sample_pattern(few).look);  // the very program of the planner's look
-  few.first_samples = 0, few.small_objects = scene::SmallObjects::off, few.standard_error = scene::StandardError::off;
+  const scene::Instrument few = first_launched(simulation, instrument, plan);
   plan::Plan half = plan;
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate

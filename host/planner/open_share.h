@@ -12,4 +12,9 @@ namespace raycube::planner {
 void measure_open_share(render::Renderer& renderer, const scene::Simulation& simulation,
                         const scene::Instrument& instrument, plan::Plan& plan);
 
+/// The instrument as it is first launched: with the samples of the image where they are known, with those of the
+/// planner's look where a trial has to find them.
+scene::Instrument first_launched(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                                 const plan::Plan& plan);
+
 }  // namespace raycube::planner

@@ -175,6 +175,12 @@ TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Pl
                           state_->context.device().info().max_alloc_bytes, state_->options.tile_lines, least);
 }
 
+void Renderer::load_programs(const scene::Instrument& instrument, const plan::Plan& plan) {
+  const StageShape shape = make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument));
+  const TraceStages trace(state_->context, state_->scene, state_->buffers, plan, shape, 0);
+  const RowStages rows(state_->context, state_->buffers, plan, shape, sensors::SampleWeights(instrument));
+}
+
 RenderStatistics Renderer::render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                                   std::uint64_t seed, const StripSink& sink, const ProgressSink& progress,
                                   const RenderedImage* rendered) {

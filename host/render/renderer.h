@@ -62,6 +62,9 @@ class Renderer {
   void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,
                   const HitSink& sink);
 
+  /// Builds an instrument's programs, or takes them from the cache of kernels: the first launch then finds them.
+  void load_programs(const scene::Instrument& instrument, const plan::Plan& plan);
+
   /// Largest tile of a render whose launches are of about `tile_samples` samples, as memory and image allow.
   TileSize tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const;
 

@@ -63,13 +63,19 @@ json key_of(const scene::AirSpec& air) {
   return out;
 }
 
+/// Of the clear sky: what it reads of a specification.
+json clear_sky_key(const scene::AtmosphereSpec& spec) {
+  return {spec.pressure_hPa, spec.water_g_cm2, spec.ozone_atm_cm, spec.aod_550,
+          spec.angstrom,     spec.ssa,         spec.asymmetry,    spec.ground_albedo};
+}
+
 }  // namespace
 
 std::string request_hash(const AirRequest& request, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m) {
   const scene::Sun& sun = request.sun;
   const json key = {{"program", base::program_hash()},
-                    {"air", key_of(*request.spec->layered)},
+                    {"air", request.spec->layered ? key_of(*request.spec->layered) : clear_sky_key(*request.spec)},
                     {"ground_height_m", request.spec->ground_height_m},
                     {"sun", {sun.zenith_deg, sun.azimuth_deg, sun.day_of_year, sun.moon_phase_deg}},
                     {"sensor_height_m", request.sensor_height_m},

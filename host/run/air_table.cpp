@@ -79,32 +79,42 @@ std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
 
 namespace {
 
+/// Built without a look at the cache.
+atmos::RenderTable built_table(const AirRequest& request, const std::vector<double>& wavelengths,
+                               const std::vector<double>& heights, Services& services) {
+  if (request.spec->layered) return build_with_progress(request, wavelengths, heights, services);
+  return atmos::make_table(*request.spec, request.sun, request.sensor_height_m, wavelengths, heights);
+}
+
+/// The cache's, if it has it whole.
+std::optional<atmos::RenderTable> kept_table(const std::filesystem::path& file, Services& services) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return {};
+  try {
+    atmos::RenderTable table = atmos::read_rct(file.string());
+    services.log.detail("atmosphere: table from the cache, " + file.string());
+    return table;
+  } catch (const base::Error& damaged) {
+    services.log.warning(std::string(damaged.what()) + "; it is built anew");
+    return {};
+  }
+}
+
 /// Read, built, or taken from the cache.
 atmos::RenderTable made_table(const AirRequest& request, Services& services) {
   const scene::AtmosphereSpec& spec = *request.spec;
-  if (!spec.layered || spec.none || !spec.table_file.empty()) {
-    if (auto known = known_table(request)) return std::move(*known);
-    return atmos::make_table(spec, request.sun, request.sensor_height_m,
-                             atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um),
-                             atmos::clear_sky_heights(request.low_m, request.high_m));
-  }
-  const auto wavelengths = atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um);
+  if (spec.none || !spec.table_file.empty()) return std::move(*known_table(request));
+  const auto wavelengths = spec.layered
+                               ? atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um)
+                               : atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um);
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
-  const std::filesystem::path file = kept_file(request, wavelengths, heights), folder = file.parent_path();
-  if (file.empty()) return build_with_progress(request, wavelengths, heights, services);
-  std::error_code error;
-  if (std::filesystem::exists(file, error)) {
-    try {
-      atmos::RenderTable table = atmos::read_rct(file.string());
-      services.log.detail("atmosphere: table from the cache, " + file.string());
-      return table;
-    } catch (const base::Error& damaged) {
-      services.log.warning(std::string(damaged.what()) + "; it is built anew");
-    }
-  }
-  atmos::RenderTable table = build_with_progress(request, wavelengths, heights, services);
+  if (!spec.layered) static_cast<void>(known_table(request));  // refuses what the model cannot have
+  const std::filesystem::path file = kept_file(request, wavelengths, heights);
+  if (file.empty()) return built_table(request, wavelengths, heights, services);
+  if (auto kept = kept_table(file, services)) return std::move(*kept);
+  atmos::RenderTable table = built_table(request, wavelengths, heights, services);
   try {
-    std::filesystem::create_directories(folder);
+    std::filesystem::create_directories(file.parent_path());
     atmos::write_rct(table, file.string(), base::IfExists::replace);
   } catch (const std::exception& failed) {
     services.log.detail(std::string("atmosphere: the table could not be kept for the next run: ") + failed.what());

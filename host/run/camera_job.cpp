@@ -56,12 +56,19 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
     for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
   const double processor_before_s = base::processor_seconds();
+  double kernels_processor_s = 0;
   services.log.set_status(instrument.name + ": planning nodes and components");
   // Which of the scene's objects are small needs nothing of the plan.
   auto small = base::beside(services.threads, [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   services.log.set_status(instrument.name + ": planning samples and sky directions");
   job.plan.baked = std::make_shared<plan::BakedRows>();
+  if (planning.renderer) {
+    const auto loading = std::chrono::steady_clock::now();
+    const double processor_s = base::processor_seconds();
+    planning.renderer->load_programs(planner::first_launched(simulation, instrument, job.plan), job.plan);
+    job.kernels_s = base::seconds_since(loading), kernels_processor_s = base::processor_seconds() - processor_s;
+  }
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
@@ -80,8 +87,8 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   services.log.set_status("");
   for (const auto& notice : job.plan.notices) services.log.warning(notice);
   for (const auto& note : job.decision.notes) services.log.warning(note);
-  job.plan_s = base::seconds_since(start);
-  job.plan_processor_s = base::processor_seconds() - processor_before_s;
+  job.plan_s = base::seconds_since(start) - job.kernels_s;
+  job.plan_processor_s = base::processor_seconds() - processor_before_s - kernels_processor_s;
   if (job.decision.image)  // which is the render's
     job.plan_s -= job.decision.image->render_s, job.plan_processor_s -= job.decision.image->processor_s;
   services.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +

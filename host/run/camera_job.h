@@ -40,7 +40,7 @@ struct CameraJob {
   atmos::RenderTable table;
   plan::Plan plan;
   std::vector<std::string> notices;  ///< of table and instrument together; the log has them
-  double table_s = 0, plan_s = 0, plan_processor_s = 0;
+  double table_s = 0, kernels_s = 0, plan_s = 0, plan_processor_s = 0;  ///< kernels: built, or taken from the cache
 };
 
 /// The air that an instrument's bands and height ask for, over the scene's heights.

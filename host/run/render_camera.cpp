@@ -74,9 +74,10 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.lines = instrument.lines;
   record.bands = static_cast<std::int64_t>(instrument.bands.size());
   record.samples_per_pixel = instrument.all_samples();
-  record.stage_s = {{"load", destination.load_s}, {"atmosphere", job.table_s}, {"plan", job.plan_s}};
+  record.stage_s = {
+      {"load", destination.load_s}, {"atmosphere", job.table_s}, {"kernels", job.kernels_s}, {"plan", job.plan_s}};
   for (const auto& stage : statistics.stage_s) record.stage_s.push_back(stage);
-  record.total_s = destination.load_s + job.table_s + job.plan_s + took.render_s;
+  record.total_s = destination.load_s + job.table_s + job.kernels_s + job.plan_s + took.render_s;
   record.processor_s = {{"plan", job.plan_processor_s}, {"render", took.processor_s}};
   record.rays = statistics.primary_rays + statistics.sun_rays + statistics.sky_rays;
   record.rays_per_s = static_cast<double>(record.rays) / took.render_s;
