@@ -68,15 +68,16 @@ class SkyIrradiance::Ring {
     }
   }
 
-  /// Integrals of A, A cos, A sin from azimuth 0 to phi, -pi <= phi <= 2 pi. A is even about 0 and pi. cell: where the
-  /// search for phi's cell begins, and where it ends; any cell will do.
-  Moments moments_to(double phi, std::size_t& cell) {
+  /// Integrals of A, A cos, A sin from azimuth 0 to phi, -pi <= phi <= 2 pi. A is even about 0 and pi. c, s: cosine and
+  /// sine of phi. cell: where the search for phi's cell begins, and where it ends; any cell will do.
+  Moments moments_to(double phi, double c, double s, std::size_t& cell) {
     const double folded = phi > base::kPi ? 2 * base::kPi - phi : std::abs(phi);
     const std::vector<double>& azimuth = sky_.azimuth_;
     while (cell + 2 < azimuth.size() && azimuth[cell + 1] <= folded) ++cell;
     while (cell > 0 && azimuth[cell] > folded) --cell;
     const Piece& p = piece(cell);
-    const double t = folded - azimuth[cell], c = std::cos(folded), s = std::sin(folded);
+    const double t = folded - azimuth[cell];
+    s = std::abs(s);  // of the folded angle, whose cosine is phi's
     Moments out;
     for (std::size_t m = 0; m < 4; ++m) {
       const double a = p.a0[m] + p.a1[m] * t;
@@ -159,8 +160,8 @@ void SkyIrradiance::at(double tilt_rad, std::span<const double> azimuth_rad, std
         const double f = (theta - lo) / (hi - lo), sin_theta = std::sin(theta), cos_theta = std::cos(theta);
         const double across = weight * sin_theta * sin_tilt * sin_theta, up = weight * sin_theta * cos_tilt * cos_theta;
         at_theta.move_to(ring, f);
-        const double half =
-            whole ? base::kPi : std::acos(std::clamp(-(cos_tilt * cos_theta) / (sin_tilt * sin_theta), -1.0, 1.0));
+        const double c = whole ? -1 : std::clamp(-(cos_tilt * cos_theta) / (sin_tilt * sin_theta), -1.0, 1.0),
+                     s = std::sqrt(1 - c * c), half = std::acos(c);
         for (std::size_t i = 0; i < sides.size(); ++i) {
           Side& side = sides[i];
           Four& sum = out[i];
@@ -169,8 +170,9 @@ void SkyIrradiance::at(double tilt_rad, std::span<const double> azimuth_rad, std
               sum[m] += across * side.cos_psi * at_theta.cosine[m] + up * at_theta.one[m];
             continue;
           }
-          const Moments from = at_theta.moments_to(side.psi - half, side.from),
-                        to = at_theta.moments_to(side.psi + half, side.to);
+          const double cc = side.cos_psi * c, ss = side.sin_psi * s, sc = side.sin_psi * c, cs = side.cos_psi * s;
+          const Moments from = at_theta.moments_to(side.psi - half, cc + ss, sc - cs, side.from),
+                        to = at_theta.moments_to(side.psi + half, cc - ss, sc + cs, side.to);
           for (std::size_t m = 0; m < 4; ++m)
             sum[m] +=
                 across * (side.cos_psi * (to.cosine[m] - from.cosine[m]) + side.sin_psi * (to.sine[m] - from.sine[m])) +

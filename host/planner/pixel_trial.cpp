@@ -18,7 +18,11 @@ constexpr int kTriedDirections = 32, kReferenceDirections = 128;
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 constexpr double kReplicates = 4;
 /// A trial's replicates take this part of the whole image's time, or this many nominal seconds where that is less.
-constexpr double kPartOfRender = 0.25, kLeastTrial_s = 0.15;
+constexpr double kPartOfRender = 0.1, kLeastTrial_s = 0.15;
+/// The look takes this part of a usual render (so many samples and directions), all of a small image's pixels, and of
+/// others no fewer runs than these.
+constexpr double kPartOfLook = 0.04;
+constexpr int kUsualSamples = 89, kUsualDirections = 40, kFewestLooks = 192;
 constexpr int kFewestDraws = 64;
 constexpr int kReferences = 4;  ///< renders of each reference that a draw is held against, where that is quick
 
@@ -51,15 +55,20 @@ double PixelTrial::pixel_cost_s(const scene::Instrument& sampled, int directions
 
 void PixelTrial::make_look(int directions) {
   const double all = static_cast<double>(instrument_.pixels) * instrument_.lines;
-  looked_ = trial_tiles(instrument_, simulation_.seed, kLookRuns);
+  const scene::Instrument look = sampled(sample_pattern(instrument_).look);
+  const double part = kPartOfLook * pixel_cost_s(sampled(kUsualSamples), kUsualDirections) /
+                      (kReplicates * pixel_cost_s(look, directions));
+  const int runs = all <= kLookRuns * kRunPixels
+                       ? kLookRuns
+                       : std::clamp(static_cast<int>(part * all / kRunPixels), kFewestLooks, kLookRuns);
+  looked_ = trial_tiles(instrument_, simulation_.seed, runs);
   for (const auto& tile : looked_) looked_at_ += tile.pixels();
   drawn_from_ = static_cast<double>(looked_.size());
   left_out_ = 1 - static_cast<double>(looked_at_) / all;
   whole_ = left_out_ <= 0;
   pixels_per_run_ = static_cast<double>(looked_at_) / drawn_from_;
   tiles_ = looked_, pixels_ = looked_at_;
-  const int samples = sample_pattern(instrument_).look;
-  look_ = with_cells(samples, replicates_on_pixels(sampled(samples), directions));
+  look_ = with_cells(sample_pattern(instrument_).look, replicates_on_pixels(look, directions));
 }
 
 /// By what the look saw of each run's error; all runs where the look has no more than `whole`.
@@ -70,39 +79,37 @@ void PixelTrial::draw_pixels(int draws, int whole) {
   for (const Draw& draw : draws_) tiles_.push_back(looked_[draw.run]), pixels_ += tiles_.back().pixels();
 }
 
-TrialImage PixelTrial::render(const scene::Instrument& instrument, int directions, std::uint64_t seed,
-                              std::uint32_t sky_draw) {
+std::vector<TrialImage> PixelTrial::render(const scene::Instrument& instrument, int directions,
+                                           const std::vector<render::PixelDraw>& draws) {
   if (plan_.components() > 0) plan_.sky.rays = directions;
-  plan_.sky.draw = sky_draw;
   TrialImage image;
   image.bands = instrument.bands.size();
   image.draw = draws_, image.pixels_per_run = pixels_per_run_;
   image.drawn_from = drawn_from_, image.left_out = left_out_;
   image.whole = whole_;
-  renderer_.probe_together(instrument, plan_, simulation_.sun, seed, joined(tiles_, kWidestTile),
-                           [&](const render::PixelProbe& probe) {
-                             image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
-                           });
   for (const auto& tile : tiles_)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
+  std::vector<TrialImage> out(draws.size(), image);
+  auto radiance = renderer_.draws_of(instrument, plan_, simulation_.sun, draws, joined(tiles_, kWidestTile));
+  for (std::size_t d = 0; d < draws.size(); ++d) out[d].radiance = std::move(radiance[d]);
   const PixelCounts counts =
       pixel_counts(plan_, static_cast<double>(instrument.samples_u) * instrument.samples_v, plan_.sky.rays);
-  rays_ +=
-      static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays) * static_cast<double>(pixels_));
-  cost_s_ += CostModel().seconds(counts) * static_cast<double>(pixels_);
-  return image;
+  const double rendered = static_cast<double>(pixels_ * draws.size());
+  rays_ += static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays) * rendered);
+  cost_s_ += CostModel().seconds(counts) * rendered;
+  return out;
 }
 
 SettingErrors PixelTrial::replicates_on_pixels(const scene::Instrument& sampled, int directions) {
   const std::uint64_t seed = simulation_.seed + 3 * kOther, other = simulation_.seed + 4 * kOther;
-  const TrialImage one = render(sampled, directions, seed, 0);
-  if (mean_.empty()) mean_ = judged_means(one);
-  const TrialImage two = render(sampled, directions, other, 1);
-  if (look_error_.empty()) look_error_ = run_differences(one, two, mean_);
-  if (plan_.components() == 0) return {error_between(one, two, mean_), {0, 0, {{0}, {0}}}};
-  const TrialImage one_again = render(sampled, directions, seed, 2), two_again = render(sampled, directions, other, 3);
-  return {common_spread(one, one_again, two, two_again, mean_),
-          error_between_pairs(one, one_again, two, two_again, mean_)};
+  const bool sky = plan_.components() > 0;
+  const auto images = sky ? render(sampled, directions, {{seed, 0}, {other, 1}, {seed, 2}, {other, 3}})
+                          : render(sampled, directions, {{seed, 0}, {other, 1}});
+  if (mean_.empty()) mean_ = judged_means(images[0]);
+  if (look_error_.empty()) look_error_ = run_differences(images[0], images[1], mean_);
+  if (!sky) return {error_between(images[0], images[1], mean_), {0, 0, {{0}, {0}}}};
+  return {common_spread(images[0], images[2], images[1], images[3], mean_),
+          error_between_pairs(images[0], images[2], images[1], images[3], mean_)};
 }
 
 SettingErrors PixelTrial::replicates(scene::SamplerKind sampler, int samples_u, int samples_v, int directions) {
@@ -138,7 +145,8 @@ TrialError PixelTrial::sky_error(int samples, int directions) {
   const scene::Instrument tried = sampled(samples);
   draw_for_replicates(tried, directions);
   const std::uint64_t seed = simulation_.seed + 3 * kOther;
-  return error_between(render(tried, directions, seed, 0), render(tried, directions, seed, 2), mean_);
+  const auto images = render(tried, directions, {{seed, 0}, {seed, 2}});
+  return error_between(images[0], images[1], mean_);
 }
 
 TrialError PixelTrial::own_draw(int samples, int directions) {
@@ -147,43 +155,46 @@ TrialError PixelTrial::own_draw(int samples, int directions) {
   // As many renders as are quick, of the program that the image takes: another number of samples is another program.
   const double all_s = static_cast<double>(pixels_) * pixel_cost_s(drawn, directions);
   const int each = all_s < kLeastTrial_s ? kReferences : 1;
-  std::uint64_t seed = simulation_.seed + 3 * kOther;
-  const auto reference = [&] {
-    TrialImage mean = render(drawn, directions, seed, 0);
-    seed += kOther;
-    for (int k = 1; k < each; ++k, seed += kOther) {
-      const TrialImage more = render(drawn, directions, seed, 0);
+  std::vector<render::PixelDraw> draws = {{simulation_.seed, 0}};
+  for (int k = 0; k < 2 * each; ++k)
+    draws.push_back({simulation_.seed + static_cast<std::uint64_t>(3 + k) * kOther, 0});
+  std::vector<TrialImage> images = render(drawn, directions, draws);
+  const auto mean_of = [&](int first) {
+    TrialImage mean = std::move(images[static_cast<std::size_t>(first)]);
+    for (int k = 1; k < each; ++k) {
+      const TrialImage& more = images[static_cast<std::size_t>(first + k)];
       for (std::size_t i = 0; i < mean.radiance.size(); ++i)
         mean.radiance[i] += (more.radiance[i] - mean.radiance[i]) / static_cast<float>(k + 1);
     }
     return mean;
   };
-  const TrialImage one = reference(), two = reference();
-  return error_against(render(drawn, directions, simulation_.seed, 0), one, two, mean_);
+  const TrialImage one = mean_of(1), two = mean_of(1 + each);
+  return error_against(images[0], one, two, mean_);
 }
 
 void PixelTrial::make_references() {
   draw_pixels(kDraws, kWholeRuns);
   if (one_.bands > 0) return;
   const scene::Instrument fine = sampled(scene::SamplerKind::jittered, kReferenceSide, kReferenceSide);
-  one_ = render(fine, kReferenceDirections, simulation_.seed + kOther, 0);
-  two_ = render(fine, kReferenceDirections, simulation_.seed + 2 * kOther, 0);
+  auto images =
+      render(fine, kReferenceDirections, {{simulation_.seed + kOther, 0}, {simulation_.seed + 2 * kOther, 0}});
+  one_ = std::move(images[0]), two_ = std::move(images[1]);
 }
 
 TrialError PixelTrial::sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v) {
   make_references();
   const scene::Instrument tried = sampled(sampler, samples_u, samples_v);
-  const TrialImage image = render(tried, kTriedDirections, simulation_.seed, 0);
-  if (plan_.components() == 0) return error_against(image, one_, two_, mean_);
-  return common_error(image, render(tried, kTriedDirections, simulation_.seed, 1), one_, two_, mean_);
+  const auto images = render(tried, kTriedDirections, {{simulation_.seed, 0}, {simulation_.seed, 1}});
+  if (plan_.components() == 0) return error_against(images[0], one_, two_, mean_);
+  return common_error(images[0], images[1], one_, two_, mean_);
 }
 
 TrialError PixelTrial::sky_error(int directions, int samples_u, int samples_v) {
   if (plan_.components() == 0) return {0, 0, {{0}, {0}}};
   draw_pixels(kDraws, kWholeRuns);
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
-  return error_between(render(tried, directions, simulation_.seed, 0), render(tried, directions, simulation_.seed, 1),
-                       mean_);
+  const auto images = render(tried, directions, {{simulation_.seed, 0}, {simulation_.seed, 1}});
+  return error_between(images[0], images[1], mean_);
 }
 
 }  // namespace raycube::planner

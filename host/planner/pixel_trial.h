@@ -61,8 +61,9 @@ class PixelTrial {
   double cost_s() const { return cost_s_; }             ///< by the cost model
 
  private:
-  /// sky_draw: renders of one seed and other draws differ by the sky's rays alone.
-  TrialImage render(const scene::Instrument& instrument, int directions, std::uint64_t seed, std::uint32_t sky_draw);
+  /// An image for each draw.
+  std::vector<TrialImage> render(const scene::Instrument& instrument, int directions,
+                                 const std::vector<render::PixelDraw>& draws);
   SettingErrors replicates_on_pixels(const scene::Instrument& sampled, int directions);
   SettingErrors replicates(const scene::Instrument& tried, int directions);
   void draw_for_replicates(const scene::Instrument& tried, int directions);

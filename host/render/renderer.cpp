@@ -123,19 +123,26 @@ std::size_t groups_of(const Tile& tile, std::size_t width) {
   return static_cast<std::size_t>(tile.lines) * ((static_cast<std::size_t>(tile.columns) + width - 1) / width);
 }
 
+/// Appends a tile's pixels of a lot whose groups begin with this one; returns the group after them.
+template <class Value>
+std::size_t append_pixels(const std::vector<Value>& lot, std::size_t of_pixel, const Tile& tile, std::size_t group,
+                          std::size_t width, std::vector<Value>& out) {
+  const auto columns = static_cast<std::size_t>(tile.columns), per_line = (columns + width - 1) / width;
+  for (int line = 0; line < tile.lines; ++line, group += per_line) {
+    const auto begin = lot.begin() + static_cast<std::ptrdiff_t>(group * width * of_pixel);
+    out.insert(out.end(), begin, begin + static_cast<std::ptrdiff_t>(columns * of_pixel));
+  }
+  return group;
+}
+
 /// A tile's part of a probe of groups, each `width` pixels whether the image has them or not, from its first group on.
 PixelProbe part_of(const PixelProbe& together, const Tile& tile, std::size_t first_group, std::size_t width) {
   PixelProbe out;
   out.tile = tile, out.samples = together.samples, out.sides = together.sides;
   const auto first = together.groups.begin() + static_cast<std::ptrdiff_t>(first_group);
   out.groups.assign(first, first + static_cast<std::ptrdiff_t>(groups_of(tile, width)));
-  const auto columns = static_cast<std::size_t>(tile.columns), per_line = (columns + width - 1) / width;
   const auto take = [&](const auto& from, auto& to) {
-    const std::size_t of_pixel = from.size() / together.tile.pixels();
-    for (std::size_t line = 0; line < static_cast<std::size_t>(tile.lines); ++line) {
-      const auto begin = from.begin() + static_cast<std::ptrdiff_t>((first_group + line * per_line) * width * of_pixel);
-      to.insert(to.end(), begin, begin + static_cast<std::ptrdiff_t>(columns * of_pixel));
-    }
+    append_pixels(from, from.size() / together.tile.pixels(), tile, first_group, width, to);
   };
   take(together.hit_instance, out.hit_instance), take(together.hit_primitive, out.hit_primitive);
   take(together.sun_visible, out.sun_visible), take(together.sky_met, out.sky_met);
@@ -154,6 +161,53 @@ struct Renderer::State : SceneOnDevice {
             plan,    sun,   seed,    make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
   }
   std::size_t row_capacity(const StageShape& shape) const { return row_capacity_of(shape, options.row_capacity); }
+};
+
+/// Many small tiles in few launches.
+class Renderer::TilesTogether {
+ public:
+  /// Keeps references.
+  TilesTogether(const State& state, const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                std::uint64_t seed, const std::vector<Tile>& tiles)
+      : state_(state), instrument_(instrument), tiles_(tiles), setup_(state.setup(instrument_, plan, sun, seed)) {
+    // Else every tile would look through all poses.
+    instrument_.motion = sensors::pose_moves(instrument) ? scene::PoseMotion::moving : scene::PoseMotion::held;
+    const std::size_t group_bytes =
+        width() * (setup_.shape.pixel_bytes() + setup_.shape.row_bytes(state.row_capacity(setup_.shape)));
+    std::size_t widest = 1, all = 0;
+    for (const Tile& tile : tiles) {
+      const std::size_t groups = groups_of(tile, width());
+      widest = std::max(widest, groups), all += groups;
+    }
+    most_ = std::max(widest, std::min(all, std::min(kTogether_bytes, state.tile_budget()) / group_bytes));
+  }
+
+  std::size_t width() const { return static_cast<std::size_t>(setup_.shape.pixels_per_group); }
+  TilePasses passes() const {
+    return {setup_, static_cast<int>(most_), static_cast<int>(width()), state_.row_capacity(setup_.shape),
+            state_.options.memory_bytes / kBudgetShares};
+  }
+
+  /// Rays of as many tiles as fit, with the number of the first and past the last.
+  template <class Work>
+  void each_lot(const Work& work) const {
+    for (std::size_t first = 0, end = 0; first < tiles_.size(); first = end) {
+      base::throw_if_interrupted();
+      std::vector<shared::RayGroup> groups;
+      for (; end < tiles_.size() && groups.size() + groups_of(tiles_[end], width()) <= most_; ++end) {
+        const TileRays rays = tile_rays(instrument_, state_.scene, tiles_[end], setup_.shape.pixels_per_group);
+        groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
+      }
+      work(listed_rays(std::move(groups), setup_.shape.pixels_per_group), first, end);
+    }
+  }
+
+ private:
+  const State& state_;
+  scene::Instrument instrument_;
+  const std::vector<Tile>& tiles_;
+  RenderSetup setup_;
+  std::size_t most_ = 1;  ///< groups of a lot
 };
 
 Renderer::Renderer(const scene::CompiledScene& scene, const RenderOptions& options)
@@ -303,41 +357,44 @@ void Renderer::probe_together(const scene::Instrument& instrument, const plan::P
     return;
   }
   const base::Doing doing("rendering tiles of instrument", instrument.name);
-  scene::Instrument settled = instrument;  // else every tile would look through all poses
-  settled.motion = sensors::pose_moves(instrument) ? scene::PoseMotion::moving : scene::PoseMotion::held;
-  const RenderSetup setup = state_->setup(settled, plan, sun, seed);
-  const auto width = static_cast<std::size_t>(setup.shape.pixels_per_group);
-  const std::size_t capacity = state_->row_capacity(setup.shape), bands = setup.shape.bands,
-                    layers = truth_layer_names(state_->scene).size(),
-                    group_bytes = width * (setup.shape.pixel_bytes() + setup.shape.row_bytes(capacity));
-  std::size_t widest = 1, all = 0;
-  for (const Tile& tile : tiles) {
-    const std::size_t groups = groups_of(tile, width);
-    widest = std::max(widest, groups), all += groups;
-  }
-  const std::size_t most =
-      std::max(widest, std::min(all, std::min(kTogether_bytes, state_->tile_budget()) / group_bytes));
-  TilePasses passes(setup, static_cast<int>(most), static_cast<int>(width), capacity,
-                    state_->options.memory_bytes / kBudgetShares);
-  for (std::size_t first = 0, end = 0; first < tiles.size(); first = end) {
-    base::throw_if_interrupted();
-    std::vector<shared::RayGroup> groups;
-    for (; end < tiles.size() && groups.size() + groups_of(tiles[end], width) <= most; ++end) {
-      const TileRays rays = tile_rays(settled, state_->scene, tiles[end], setup.shape.pixels_per_group);
-      groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
-    }
-    const TileRays rays = listed_rays(std::move(groups), setup.shape.pixels_per_group);
-    PixelProbe together;
-    together.tile = {0, static_cast<int>(rays.layout.lines), 0, static_cast<int>(rays.layout.columns)};
-    together.radiance.resize(rays.pixels() * bands);
-    together.truth.resize(rays.pixels() * layers);
-    passes.run_listed(rays, {together.radiance.data(), together.truth.data(), layers, nullptr}, &together);
+  const TilesTogether together(*state_, instrument, plan, sun, seed, tiles);
+  TilePasses passes = together.passes();
+  const std::size_t layers = truth_layer_names(state_->scene).size(), width = together.width();
+  together.each_lot([&](const TileRays& rays, std::size_t first, std::size_t end) {
+    PixelProbe lot;
+    lot.tile = {0, static_cast<int>(rays.layout.lines), 0, static_cast<int>(rays.layout.columns)};
+    lot.radiance.resize(rays.pixels() * instrument.bands.size());
+    lot.truth.resize(rays.pixels() * layers);
+    passes.run_listed(rays, {lot.radiance.data(), lot.truth.data(), layers, nullptr}, &lot);
     std::size_t group = 0;
     for (std::size_t i = first; i < end; ++i) {
-      sink(part_of(together, tiles[i], group, width));
+      sink(part_of(lot, tiles[i], group, width));
       group += groups_of(tiles[i], width);
     }
-  }
+  });
+}
+
+std::vector<std::vector<float>> Renderer::draws_of(const scene::Instrument& instrument, const plan::Plan& plan,
+                                                   const scene::Sun& sun, const std::vector<PixelDraw>& draws,
+                                                   const std::vector<Tile>& tiles) {
+  const base::Doing doing("rendering tiles of instrument", instrument.name);
+  const TilesTogether together(*state_, instrument, plan, sun, 0, tiles);
+  TilePasses passes = together.passes();
+  const std::size_t layers = truth_layer_names(state_->scene).size(), width = together.width(),
+                    bands = instrument.bands.size();
+  std::vector<std::vector<float>> out(draws.size());
+  std::vector<float> radiance, truth;
+  together.each_lot([&](const TileRays& rays, std::size_t first, std::size_t end) {
+    radiance.resize(rays.pixels() * bands), truth.resize(rays.pixels() * layers);
+    for (std::size_t d = 0; d < draws.size(); ++d) {
+      base::throw_if_interrupted();
+      passes.set_draw(draws[d]);
+      passes.run_listed(rays, {radiance.data(), truth.data(), layers, nullptr}, nullptr);
+      std::size_t group = 0;
+      for (std::size_t i = first; i < end; ++i) group = append_pixels(radiance, bands, tiles[i], group, width, out[d]);
+    }
+  });
+  return out;
 }
 
 void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,

@@ -58,6 +58,12 @@ class Renderer {
   void probe_together(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                       std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
 
+  /// Radiances of the tiles' pixels under each of the draws, [draw][pixel][band], as quickly. Neither adaptive samples
+  /// nor small objects nor replicates.
+  std::vector<std::vector<float>> draws_of(const scene::Instrument& instrument, const plan::Plan& plan,
+                                           const scene::Sun& sun, const std::vector<PixelDraw>& draws,
+                                           const std::vector<Tile>& tiles);
+
   /// The same tiles' first hits and nothing else: trace_primary alone, by the very program that render launches.
   void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,
                   const HitSink& sink);
@@ -76,6 +82,7 @@ class Renderer {
 
  private:
   struct State;
+  class TilesTogether;
   std::unique_ptr<State> state_;
 };
 

@@ -297,7 +297,7 @@ void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
 }
 
 void TilePasses::run_replicate(int replicate, const Tile& tile, const TileOutput& out) {
-  full_.set_seed(replicate_seed(setup_.seed, replicate));
+  full_.set_draw({replicate_seed(setup_.seed, replicate)});
   full_.run(tile_rays(setup_.instrument, setup_.scene, tile, setup_.shape.pixels_per_group), out);
 }
 

@@ -34,6 +34,9 @@ class TilePasses {
   /// Renders the tile's groups with small objects anew.
   void run_small_objects(const Tile& tile, const TileOutput& out);
 
+  /// Another draw of samples and sky rays for rays that are listed.
+  void set_draw(const PixelDraw& draw) { full_.set_draw(draw); }
+
   /// Renders rays of any groups in one pass with all samples. Adaptive ones and small objects need their tile.
   void run_listed(const TileRays& rays, const TileOutput& out, PixelProbe* probe);
 

@@ -48,7 +48,7 @@ class TileWorker {
   void run(const TileRays& rays, const TileOutput& out, PixelProbe* probe = nullptr);
 
   /// Another draw of samples and sky rays from here on.
-  void set_seed(std::uint64_t seed) { trace_stages_.set_seed(seed); }
+  void set_draw(const PixelDraw& draw) { trace_stages_.set_draw(draw); }
 
   const RenderStatistics& statistics() const { return statistics_; }
   /// Terms per pixel seen so far, as a histogram (index = number of terms, clamped).

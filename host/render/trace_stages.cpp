@@ -148,7 +148,7 @@ struct TraceStages::State {
         .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
         .sun_direction = sun_direction(),
         .rays = static_cast<cl_uint>(plan.sky.rays),
-        .seed = plan.sky.hash_seed(seed),
+        .seed = plan.sky.hash_seed(seed, sky_draw),
         .columns = layout.columns,
         .first_sample = first_sample(chunk),
         .sample_count = sample_count(chunk),
@@ -159,7 +159,7 @@ struct TraceStages::State {
   const SceneBuffers& buffers;
   const plan::Plan& plan;
   StageShape shape;
-  std::uint32_t seed;
+  std::uint32_t seed, sky_draw = 0;
   std::string options, identity, surfaces_identity;
   std::shared_ptr<const cl::Program> program;
   cl::Kernel primary, surface, sun, sky;
@@ -172,7 +172,9 @@ TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene&
                          const plan::Plan& plan, const StageShape& shape, std::uint64_t seed)
     : state_(std::make_unique<State>(context, scene, buffers, plan, shape, seed)) {}
 TraceStages::~TraceStages() = default;
-void TraceStages::set_seed(std::uint64_t seed) { state_->seed = static_cast<std::uint32_t>(seed); }
+void TraceStages::set_draw(const PixelDraw& draw) {
+  state_->seed = static_cast<std::uint32_t>(draw.seed), state_->sky_draw = draw.sky_draw;
+}
 
 const std::string& TraceStages::identity() const { return state_->identity; }
 std::string TraceStages::program_hash() const { return base::sha256_hex(state_->surfaces_identity); }

@@ -9,6 +9,7 @@
 #include "host/cl/kernel.h"
 #include "host/render/row_stages.h"
 #include "host/render/tile_shape.h"
+#include "host/render/types.h"
 
 namespace raycube::render {
 
@@ -37,7 +38,7 @@ class TraceStages {
   void run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced);
 
   /// Another draw of samples and sky rays from here on.
-  void set_seed(std::uint64_t seed);
+  void set_draw(const PixelDraw& draw);
 
   /// Text that program hashes cover: names, options and sources.
   const std::string& identity() const;

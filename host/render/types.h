@@ -83,6 +83,12 @@ struct PixelProbe : HitProbe {
   std::vector<float> truth;     ///< [pixel][layer]
 };
 
+/// What a pixel's samples and sky rays are drawn by: of one seed and other sky draws only the sky's rays differ.
+struct PixelDraw {
+  std::uint64_t seed = 0;
+  std::uint32_t sky_draw = 0;
+};
+
 using ProbeSink = std::function<void(const PixelProbe&)>;
 using HitSink = std::function<void(const HitProbe&)>;
 
