@@ -18,10 +18,10 @@ constexpr int kTriedDirections = 32, kReferenceDirections = 128;
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 constexpr double kReplicates = 4;
 /// A trial's replicates take this part of the whole image's time, or this many nominal seconds where that is less.
-constexpr double kPartOfRender = 0.1, kLeastTrial_s = 0.15;
+constexpr double kPartOfRender = 0.07, kLeastTrial_s = 0.15;
 /// The look takes this part of a usual render (so many samples and directions), all of a small image's pixels, and of
 /// others no fewer runs than these.
-constexpr double kPartOfLook = 0.04;
+constexpr double kPartOfLook = 0.03;
 constexpr int kUsualSamples = 89, kUsualDirections = 40, kFewestLooks = 192;
 constexpr int kFewestDraws = 64;
 constexpr int kReferences = 4;  ///< renders of each reference that a draw is held against, where that is quick

@@ -10,7 +10,7 @@ namespace raycube::planner {
 namespace {
 
 /// Nominal seconds (CostModel) of four replicates, about what a first look takes, and of all that may be taken.
-constexpr double kFour_s = 0.25, kAll_s = 0.6;
+constexpr double kFour_s = 0.25, kAll_s = 0.3;
 constexpr std::size_t kMostValues = 24'000'000;  ///< radiances and layers of the image: 16 bytes each
 constexpr int kFewest = 2;
 

@@ -6,7 +6,7 @@
 // regular grid meet all of its parts alike. Over independent parts the park's pixels ask for factors of 0.4 to 0.85
 // with a lattice, 0.5 to 0.9 with jittered samples and 0.35 to 1.1 with a grid (docs/accuracy.md); taken are 0.7, 0.85
 // and 0.85. Of jittered samples 1 would be exact where the texture is finer than the cells. The noise of the sky is in
-// it, since each part sends a quarter of the rays: of that 0.84 to 1.17 is stated under leaves by 64 seeds (test
+// it, since each part sends a quarter of the rays: of that 0.84 to 1.28 is stated under leaves by 64 seeds (test
 // render_sky_error), as rays of one sequence err less together than four independent parts of them would.
 #pragma once
 

@@ -60,10 +60,19 @@ with tempfile.TemporaryDirectory() as temporary:
     chosen, replayed = (record(folder / name / "camera") for name in ("chosen", "replayed"))
     check(chosen["digest"] == replayed["digest"])
     lines = {line["block"]: line for line in chosen["plan"]["planner"]["lines"]}
+    # So small an image is rendered at once, as the mean of a few replicates, which the replay renders anew.
     check(
-        lines["samples"]["level"] == "lattice {}".format(entry["samples"][0]) and not lines["samples"]["given"], lines
+        lines["samples"]["level"] == "{} x lattice {}".format(entry["replicates"], entry["samples"][0])
+        and not lines["samples"]["given"],
+        lines,
     )
-    check(lines["samples"]["error"] is not None and lines["samples"]["error_without"] is not None, lines)
+    check(entry["replicates"] >= 4 and 0 < lines["samples"]["error"] < 0.03, lines)
+    in_all = entry["replicates"] * entry["samples"][0] * entry["samples"][1]
+    check(chosen["image"]["samples_per_pixel"] == in_all, chosen["image"])
+    for made in (chosen, replayed):
+        error = made["error"]
+        check("replicates" in error["from"] and error["within_tolerance"], error)
+        check(abs(error["total"] - entry["decision"]["error"]["total"]) < 1e-9, error, entry)
 
     # What the file gives stays and is marked; plan estimates it all the same, render does not spend a trial on it.
     table = json.loads(run("plan", given, "--json").stdout)["instruments"][0]
@@ -87,10 +96,10 @@ with tempfile.TemporaryDirectory() as temporary:
     for said in ("another scene", "seed 1, not 77", "first guess", "raycube plan SIM -o"):
         check(said in guessed.stderr, said, guessed.stderr)
     guess = record(folder / "guessed/camera")
-    check(guess["image"]["samples_per_pixel"] == entry["samples"][0] * entry["samples"][1], guess["image"])
+    check(guess["image"]["samples_per_pixel"] == in_all, guess["image"])
     check(guess["plan"]["planner"]["within_tolerance"] is None, guess["plan"]["planner"])
     error = guess["error"]
-    check("rendered three times" in error["from"], error)
+    check("spread of the image's" in error["from"], error)
     check(error["within_tolerance"] == (error["total"] <= 0.03), error)
     check(any("first guess" in line for line in guess["warnings"]), guess["warnings"])
     # The same where the air has other nodes.
@@ -105,15 +114,27 @@ with tempfile.TemporaryDirectory() as temporary:
         open_file.read_text().replace("[[instrument]]\n", "[[instrument]]\nsamples = { grid = [31, 31] }\n", 1)
     )
     not_replayed(finer, folder / "plan.json", ["samples = grid 31 x 31", "remove samples"])
+    erring = folder / "erring.toml"
+    erring.write_text(
+        open_file.read_text().replace("[[instrument]]\n", '[[instrument]]\nstandard_error = "worst"\n', 1)
+    )
+    not_replayed(erring, folder / "plan.json", ["x lattice", "standard errors"])
     lit = scene(folder, "lit.toml", air='{ model = "clear_sky" }')
     run("plan", lit, "-o", folder / "lit.json", "-q")
     lit.write_text(lit.read_text().replace("format = 1\n", "format = 1\nsky_directions = 3999\n", 1))
     not_replayed(lit, folder / "lit.json", ["sky_directions = 3999", "remove sky_directions"])
 
     # What a simulation may not ask for a plan may not either.
-    for samples, sampler in (([65536, 1], 0), ([257, 257], 1), ([65536, 2], 2), ([0, 1], 0)):
+    for samples, sampler, replicates in (
+        ([65536, 1], 0, 1),
+        ([257, 257], 1, 1),
+        ([65536, 2], 2, 1),
+        ([0, 1], 0, 1),
+        ([13, 1], 1, 0),
+        ([13, 1], 1, 65),
+    ):
         wide = json.loads(json.dumps(plan))
-        wide["instruments"][0].update(samples=samples, sampler=sampler)
+        wide["instruments"][0].update(samples=samples, sampler=sampler, replicates=replicates)
         (folder / "wide.json").write_text(json.dumps(wide))
         not_replayed(open_file, folder / "wide.json", ["out of range", "raycube plan SIM -o"])
 

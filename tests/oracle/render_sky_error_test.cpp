@@ -77,11 +77,12 @@ TEST_CASE("S43 the stated standard error tells of the sky: against the spread of
   };
   using enum scene::SamplerKind;
   // Rays of one sequence err less together than four independent parts of them would: where their error falls by n^-3/4
-  // the parts' spread says sqrt(2) times too much, which the factors of host/render/standard_error.h take away.
+  // the parts' spread says sqrt(2) times too much, which the factors of host/render/standard_error.h take away: of a
+  // grid not all, and less where the rays crowd round the sun (1.17 with an asymmetry of 0.7, 1.26 with 0.85).
   for (const Case& c : {Case{lattice, 64, 1, 1.25},
                         {lattice, 64, 0.5f, 1.25},
                         {lattice, 250, 1, 1.25},
-                        {grid, 64, 1, 1.25},
+                        {grid, 64, 1, 1.3},
                         {jittered, 121, 0.5f, 1.25}}) {
     simulation.instruments[0].sampler = c.sampler;
     simulation.sky_directions = c.rays;
