@@ -83,7 +83,8 @@ def render(launcher, name, side_m, grid, sky, seed):
         stdout=subprocess.DEVNULL,
     )
     record = json.loads((out / "camera/run.json").read_text())
-    seconds = sum(s for stage, s in record["stage_s"].items() if stage not in ("load", "atmosphere", "kernels", "plan", "write"))
+    not_tracing = ("load", "atmosphere", "kernels", "plan", "write")
+    seconds = sum(s for stage, s in record["stage_s"].items() if stage not in not_tracing)
     return np.fromfile(out / "camera/radiance.img", "<f4").reshape(3, pixels, pixels).astype(float), seconds
 
 

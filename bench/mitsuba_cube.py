@@ -268,7 +268,8 @@ def raycube_reference(scene):
 def raycube_time(scene, samples, sky, launcher, repeats=2):
     file = peer_scene.write_simulation(scene, "timed", f"lattice = {samples}", sky)
     runs = [render(file, WORK / "timed", launcher)["stage_s"] for _ in range(repeats)]
-    stages = [sum(s for name, s in run.items() if name not in ("load", "atmosphere", "kernels", "plan")) for run in runs]
+    not_rendering = ("load", "atmosphere", "kernels", "plan")
+    stages = [sum(s for name, s in run.items() if name not in not_rendering) for run in runs]
     low = (PIXELS - CROP) // 2
     cube = read_cube(WORK / "timed", PIXELS)
     np.save(WORK / f"full_raycube_{samples}_{sky}.npy", cube[:, :, list(TRIPLES[0])])

@@ -95,7 +95,7 @@ double traced_s(const nlohmann::json& stage_s) {
 /// From the first launch to the last byte.
 double image_s(const nlohmann::json& run) {
   double s = run.at("total_s");
-  for (const char* name : {"load", "atmosphere", "plan"}) s -= run.at("stage_s").at(name).get<double>();
+  for (const char* name : {"load", "atmosphere", "kernels", "plan"}) s -= run.at("stage_s").at(name).get<double>();
   return s;
 }
 

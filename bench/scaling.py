@@ -136,7 +136,8 @@ def run(
         if child.returncode:
             raise SystemExit(f"scaling: raycube render {file} ended with status {child.returncode}")
         record = json.loads((out / "camera/run.json").read_text())
-        seconds.append(sum(s for stage, s in record["stage_s"].items() if stage not in ("load", "atmosphere", "kernels", "plan")))
+        not_rendering = ("load", "atmosphere", "kernels", "plan")
+        seconds.append(sum(s for stage, s in record["stage_s"].items() if stage not in not_rendering))
     point = {
         "panel": panel,
         "series": series,

@@ -1,6 +1,7 @@
 // What is known of a render's error, whoever chose its settings (S60).
 //
-// Where the planner made a trial, that. Of an image that is a mean of replicates their spread. Where the file gives samples and directions, a few hundred pixels
+// Where the planner made a trial, that. Of an image that is a mean of replicates their spread.
+// Where the file gives samples and directions, a few hundred pixels
 // picked by hash (all of a small image) are rendered as the image is and twice more with as many samples at
 // random (a lattice's shift; jittered cells under a point spread) and other rays into the sky: no reference,
 // and still without bias. Like every rms over pixels it says nothing of a few pixels with targets; those are

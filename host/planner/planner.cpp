@@ -384,7 +384,8 @@ void count_cost(Decision& decision, const plan::Plan& plan) {
   counts = pixel_counts(plan, static_cast<double>(s.samples_u) * s.samples_v, s.directions);
   for (double* count : {&counts.samples, &counts.sun_rays, &counts.sky_rays, &counts.terms}) *count *= s.replicates;
   decision.s_per_megapixel = 1e6 * CostModel().seconds(counts);
-  decision.dear = decision.s_per_megapixel > kDear_s_per_megapixel;
+  // A small image, which is soon rendered, is dear by no pixel.
+  decision.dear = decision.sampling.replicates == 1 && decision.s_per_megapixel > kDear_s_per_megapixel;
 }
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {

@@ -182,7 +182,7 @@ TEST_CASE("S4.9 S60 S63 light between ground and air: the same bytes for any til
   CHECK(first.plan.environment.nodes() > 8);
   CHECK(first.statistics.overflow_pixels > 0);
   // Little memory: part of a line at a time, and a band table that holds neither all materials nor all nodes.
-  check_same(simulation, first, {tiles(3), memory(2 * kLittle_bytes), threads(1), capacity(1), capacity(256)}, table);
+  check_same(simulation, first, {tiles(3), memory(3 * kLittle_bytes), threads(1), capacity(1), capacity(256)}, table);
   simulation.instruments[0].lines = 3;
   simulation.instruments[0].samples_u = simulation.instruments[0].samples_v = 41;  // two chunks
   check_same(simulation, test::render_image(simulation, table), {capacity(2)}, table);
