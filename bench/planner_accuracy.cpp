@@ -32,6 +32,7 @@ json to_json(const bench::PlannerRow& r) {
               {"setting", r.chosen.text()},
               {"samples", r.chosen.samples},
               {"directions", r.chosen.directions},
+              {"replicates", r.chosen.replicates},
               {"claimed", r.claimed},
               {"nodes", r.plan_error},
               {"samples", r.samples_error},
@@ -43,6 +44,7 @@ json to_json(const bench::PlannerRow& r) {
               {"judged", r.judged}};
   if (r.tried) out.update({{"achieved", r.achieved}, {"low", r.low}, {"high", r.high}, {"own", r.own}});
   if (r.best_known) out.update({{"best", to_json(r.best)}, {"cost_over_best", r.cost_over_best}});
+  if (r.best_s >= 0) out.update({{"together_s", r.together_s}, {"best_s", r.best_s}});
   if (r.time_over_best.count > 0)
     out.update({{"time_over_best", r.time_over_best.median},
                 {"time_over_best_min", r.time_over_best.lowest},

@@ -9,17 +9,21 @@ anew.
 
 import argparse
 import json
+import math
 import pathlib
 import subprocess
 
 import matplotlib
 import matplotlib.ticker
+import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "build/bench/planner"
+TIMES_BEST, AND_S = 2.5, 0.3
+SEEDED = 20
 
 
 def scenes():
@@ -39,7 +43,53 @@ def scenes():
         f"park_survey={park / 'park_survey.toml'}",
         f"geiger_array={lidar / 'geiger_array.toml'}",
         f"pipeline_dial={lidar / 'pipeline_dial.toml'}",
-    ]
+    ] + [f"seeded_{seed:02d}={seeded(seed)}" for seed in range(SEEDED)]
+
+
+def seeded(seed):
+    """48 x 48 pixels of 1 m with wires, fences and targets down to a hundredth of a pixel's area, few or many."""
+    rng = np.random.default_rng(seed)
+    half, parts = 24.0, []
+
+    def add(kind, name, material, position, size, yaw):
+        place = ", ".join(f"{v:.3f}" for v in position)
+        parts.append(
+            f'[[{kind}]]\nname = "{name}"\nmaterial = "{material}"\nposition_m = [{place}]\n'
+            f"size_m = [{', '.join(f'{v:.3f}' for v in size)}]\nyaw_deg = {yaw:.1f}\n"
+        )
+
+    for k in range(rng.integers(0, 6)):  # wires over the whole scene
+        x, y = rng.uniform(-half, half, 2)
+        size = (2 * half, rng.uniform(0.02, 0.1), rng.uniform(0.02, 0.1))
+        add("box", f"wire {k}", "metal", (x, y, rng.uniform(2, 8)), size, rng.uniform(0, 180))
+    for k in range(rng.integers(0, 3)):  # fences: a row of pickets
+        x, y, yaw = *rng.uniform(-half, half, 2), rng.uniform(0, 180)
+        for picket in range(40):
+            step = 0.25 * (picket - 20)
+            along = (x + step * math.cos(math.radians(yaw)), y + step * math.sin(math.radians(yaw)), 0)
+            add("box", f"fence {k}.{picket}", "wood", along, (0.1, 0.03, 1.5), yaw)
+    for k in range(int(rng.choice([1, 5, 40, 200]))):
+        side = float(rng.choice([0.1, 0.15, 0.3, 0.6]))
+        at = (*rng.uniform(-half, half, 2), 0.02)
+        add("plane", f"target {k}", rng.choice(["bright", "dark"]), at, (side, side), rng.uniform(0, 90))
+    for k in range(rng.integers(0, 8)):
+        size = (rng.uniform(1, 6), rng.uniform(1, 6), rng.uniform(1, 8))
+        add("box", f"block {k}", "wood", (*rng.uniform(-half, half, 2), 0), size, rng.uniform(0, 90))
+    file = FOLDER / f"seeded_{seed:02d}.toml"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(
+        f"format = 1\ntolerance = 0.03\nseed = {seed + 1}\n"
+        'material = [{ name = "ground", reflectance = 0.15 }, { name = "metal", reflectance = 0.6 }, '
+        '{ name = "wood", reflectance = 0.3 }, { name = "bright", reflectance = 0.9 }, '
+        '{ name = "dark", reflectance = 0.02 }]\n'
+        f'atmosphere = {{ model = "clear_sky", aod_550 = {rng.uniform(0.05, 0.4):.2f} }}\n'
+        f"time = {{ sun = {{ zenith_deg = {rng.uniform(15, 70):.1f}, azimuth_deg = {rng.uniform(0, 360):.1f}, "
+        'day_of_year = 172 } }\n[[plane]]\nname = "field"\nmaterial = "ground"\nsize_m = [120.0, 120.0]\n'
+        + "".join(parts)
+        + '[[instrument]]\nname = "imager"\nkind = "framing"\npixels = 48\nlines = 48\naltitude_agl_m = 900.0\n'
+        "gsd_m = 1.0\nbands = { first_nm = 420.0, step_nm = 40.0, count = 40, fwhm_nm = 40.0 }\n"
+    )
+    return file
 
 
 def measure():
@@ -67,7 +117,9 @@ def counts(row):
 def keys(cases):
     rows = [row for case in cases for row in case["rows"]]
     judged = [row for row in rows if counts(row)]
-    timed = [row for row in rows if not said(row) and "time_over_best" in row]
+    # What is rendered at once has no plan to hold against the best: it is plan and render together.
+    timed = [row for row in rows if not said(row) and "time_over_best" in row and row.get("replicates", 1) == 1]
+    together = [over_allowed(row) for row in rows if not said(row) and "together_s" in row]
     found = {
         "planner_worst_error_over_tolerance": max(row["achieved"] / row["tolerance"] for row in judged),
         "planner_worst_error_over_tolerance_goal": 1.0,
@@ -78,11 +130,19 @@ def keys(cases):
         "planner_worst_cost_over_best": max(row["cost_over_best"] for row in timed),
         "planner_worst_cost_over_best_goal": 2.0,
         "planner_worst_cost_over_best_goal_is": "at most",
+        "planner_worst_plan_and_render_over_allowed": max(together),
+        "planner_worst_plan_and_render_over_allowed_goal": 1.0,
+        "planner_worst_plan_and_render_over_allowed_goal_is": "at most",
         "planner_points": len(rows),
         "planner_points_said_cannot": sum(1 for row in rows if said(row)),
         "planner_points_not_judged": sum(1 for row in rows if not said(row) and not row["judged"]),
     }
     return found
+
+
+def over_allowed(row):
+    """Seconds of plan and render over what both may take: 2.5 times the best setting's render and 0.3 s."""
+    return row["together_s"] / (TIMES_BEST * row["best_s"] + AND_S)
 
 
 def percent(x):
@@ -92,8 +152,8 @@ def percent(x):
 def markdown(cases):
     lines = [
         "| scene, instrument | asked, % | planned | claims, % | achieved, % [bar] | reference's own, % | cost over "
-        "best (best) | time over best | |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "best (best) | time over best | plan and render, s (best render) | |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for case in cases:
         for row in case["rows"]:
@@ -105,6 +165,7 @@ def markdown(cases):
             own = percent(row["own"]) if "achieved" in row else percent(case["own"])
             best = f"{row['cost_over_best']:.2g} ({row['best']['setting']})" if "best" in row else "-"
             time = f"{row['time_over_best']:.2g}" if "time_over_best" in row else "-"
+            both = f"{row['together_s']:.2g} ({row['best_s']:.2g})" if "together_s" in row else "-"
             notes = [
                 note
                 for note in (said(row), "" if row["judged"] or "achieved" not in row else "reference too coarse")
@@ -114,7 +175,7 @@ def markdown(cases):
                 f"| {case['scene']}, {case['instrument']} | {percent(row['tolerance'])} | "
                 f"{row['setting'] if row['claimed'] >= 0 else '-'} | "
                 f"{percent(row['claimed']) if row['claimed'] >= 0 else '-'} | {achieved} | {own} | {best} | {time} | "
-                f"{', '.join(notes)} |"
+                f"{both} | {', '.join(notes)} |"
             )
     lines += ["", "| case | reference | own error, % | sweep |", "|---|---|---|---|"]
     for case in cases:

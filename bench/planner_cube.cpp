@@ -48,13 +48,14 @@ std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std:
 }
 
 double s_per_megapixel(const plan::Plan& plan, const PlannerSetting& setting) {
-  return 1e6 * CostModel().seconds(pixel_counts(plan, setting.samples, setting.directions));
+  return 1e6 * setting.replicates * CostModel().seconds(pixel_counts(plan, setting.samples, setting.directions));
 }
 
 /// The instrument with a setting's samples: a grid of a square number of them, or a lattice.
 scene::Instrument sampled(const scene::Instrument& instrument, const PlannerSetting& setting) {
   scene::Instrument out = instrument;
   out.sampler = setting.sampler, out.samples_u = setting.samples, out.samples_v = 1;
+  out.replicates = setting.replicates;
   if (setting.sampler != scene::SamplerKind::lattice)
     out.samples_u = out.samples_v = static_cast<int>(std::lround(std::sqrt(setting.samples)));
   return out;
@@ -100,7 +101,9 @@ class CubeStudy {
       const PlannerRow& r = out.rows.back();
       services_.log.info(fmt::format(
           "{} {}: {:.3g} %: {} claims {:.3g} % (nodes {:.3g}, samples {:.3g}, sky {:.3g}) achieves {:.3g} % ({:.3g} .. "
-          "{:.3g}, own {:.2g}){}{}; {:.3g} s/Mpx, best {} {:.3g} %, cost {:.2f} x, time {:.2f} x; planned in {:.1f} s",
+          "{:.3g}, own {:.2g}){}{}; {:.3g} s/Mpx, best {} {:.3g} %, cost {:.2f} x, time {:.2f} x; planned in {:.1f} s, "
+          "plan and render {:.2f} s, "
+          "best render {:.2f} s",
           name, instrument_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.plan_error,
           100 * r.samples_error, 100 * r.sky_error, 100 * r.achieved, 100 * r.low, 100 * r.high, 100 * r.own,
           r.judged ? "" : " not judged",
@@ -108,7 +111,7 @@ class CubeStudy {
           : r.within ? ""
                      : " NOT KEPT",
           r.s_per_megapixel, r.best_known ? r.best.setting.text() : "-", 100 * r.best.error, r.cost_over_best,
-          r.time_over_best.median, r.plan_s));
+          r.time_over_best.median, r.plan_s, r.together_s, r.best_s));
     }
     out.seconds = base::seconds_since(start);
     return out;
@@ -231,7 +234,8 @@ class CubeStudy {
     }
     out.plan_s = base::seconds_since(start);
     const planner::Decision& d = job.decision;
-    out.chosen = {d.sampling.sampler, d.sampling.samples_u * d.sampling.samples_v, sky_ ? d.sampling.directions : 0};
+    out.chosen = {d.sampling.sampler, d.sampling.samples_u * d.sampling.samples_v, sky_ ? d.sampling.directions : 0,
+                  d.sampling.replicates};
     out.claimed = d.total_error, out.within = d.within, out.dear = d.dear;
     out.plan_error = d.plan_error, out.samples_error = d.samples_error, out.sky_error = d.sky_error;
     out.s_per_megapixel = d.s_per_megapixel;
@@ -243,8 +247,11 @@ class CubeStudy {
       out.judged = out.own <= kFifth * tolerance;
     }
     find_best(out, job.plan);
-    if (out.best_known && out.within && !out.dear)
+    if (out.best_known && out.within && !out.dear) {
       out.time_over_best = time_ratio(out.chosen, out.best.setting, job.plan);
+      out.best_s = image_s(out.best.setting, job.plan);
+      out.together_s = job.plan_s + (d.image ? d.image->render_s : image_s(out.chosen, job.plan));
+    }
     return out;
   }
 
@@ -275,6 +282,18 @@ class CubeStudy {
          renderer_.probe(sampled(instrument_, setting), plan, simulation_.sun, simulation_.seed, tiles, {}).stage_s)
       if (stage != "bake") sum += s;
     return sum;
+  }
+
+  /// Seconds of a whole image, from a part of a large one.
+  double image_s(const PlannerSetting& setting, const plan::Plan& from) {
+    const plan::Plan plan = with_directions(from, setting);
+    const double image = static_cast<double>(instrument_.pixels) * instrument_.lines,
+                 pixels = kTimed_s / (1e-6 * s_per_megapixel(plan, setting));
+    const auto tiles = render::timing_tiles(
+        instrument_, static_cast<std::uint64_t>(std::clamp(pixels, 2048.0, std::min(image, 65536.0))));
+    std::vector<double> took;
+    for (int i = 0; i < settings_.timings; ++i) took.push_back(seconds(setting, plan, tiles));
+    return spread_of(took).median * image / static_cast<double>(render::pixels_of(tiles));
   }
 
   Spread time_ratio(const PlannerSetting& chosen, const PlannerSetting& best, const plan::Plan& from) {
@@ -313,7 +332,8 @@ std::string PlannerSetting::text() const {
   const char* kind = sampler == scene::SamplerKind::grid      ? "grid"
                      : sampler == scene::SamplerKind::lattice ? "lattice"
                                                               : "jittered";
-  return fmt::format("{} {}, {} directions", kind, samples, directions);
+  const std::string each = fmt::format("{} {}, {} directions", kind, samples, directions);
+  return replicates > 1 ? fmt::format("{} x ({})", replicates, each) : each;
 }
 
 const SweepPoint* cheapest(const std::vector<SweepPoint>& points, double tolerance) {

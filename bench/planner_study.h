@@ -18,7 +18,8 @@ inline constexpr double kFifth = 0.2;
 /// Samples of a pixel and sky directions, or the sub-rays of a pulse (in `samples`, directions below 0).
 struct PlannerSetting {
   scene::SamplerKind sampler = scene::SamplerKind::grid;
-  int samples = 1, directions = 0;
+  int samples = 1, directions = 0;  ///< of each replicate
+  int replicates = 1;
   std::string text() const;
   auto operator<=>(const PlannerSetting&) const = default;
 };
@@ -45,7 +46,9 @@ struct PlannerRow {
   bool best_known = false;                          ///< the sweep has a setting inside the tolerance
   SweepPoint best;
   double cost_over_best = 0;
-  Spread time_over_best;  ///< count 0: not timed
+  Spread time_over_best;                ///< count 0: not timed
+  double together_s = -1, best_s = -1;  ///< plan and render of the whole image, and the best setting's render; below 0:
+                                        ///< not timed
 };
 
 struct PlannerStudy {

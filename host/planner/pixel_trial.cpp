@@ -1,6 +1,9 @@
 #include "host/planner/pixel_trial.h"
 
 #include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "host/planner/sample_pattern.h"
 
@@ -29,8 +32,13 @@ constexpr int kReferences = 4;  ///< renders of each reference that a draw is he
 }  // namespace
 
 PixelTrial::PixelTrial(render::Renderer& renderer, const scene::Simulation& simulation,
-                       const scene::Instrument& instrument, const plan::Plan& plan, int look_directions)
-    : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
+                       const scene::Instrument& instrument, const plan::Plan& plan, int look_directions,
+                       TrialProgress progress)
+    : renderer_(renderer),
+      simulation_(simulation),
+      instrument_(instrument),
+      plan_(plan),
+      progress_(std::move(progress)) {
   instrument_.first_samples = 0;                         // errors of all samples
   instrument_.small_objects = scene::SmallObjects::off;  // and of the law that holds for most pixels
   make_look(look_directions);
@@ -90,7 +98,20 @@ std::vector<TrialImage> PixelTrial::render(const scene::Instrument& instrument, 
   for (const auto& tile : tiles_)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
   std::vector<TrialImage> out(draws.size(), image);
-  auto radiance = renderer_.draws_of(instrument, plan_, simulation_.sun, draws, joined(tiles_, kWidestTile));
+  const auto tiles = joined(tiles_, kWidestTile);
+  std::function<void(std::uint64_t)> advance;
+  if (progress_)
+    advance = progress_(
+        fmt::format("trial of {}, {}, {} sky rays", instrument.name,
+                    sampler_text(instrument.sampler, instrument.samples_u, instrument.samples_v), plan_.sky.rays),
+        tiles.size(), "pieces");
+  std::uint64_t told = 0;
+  auto radiance =
+      renderer_.draws_of(instrument, plan_, simulation_.sun, draws, tiles, [&](std::uint64_t done, std::uint64_t all) {
+        if (!advance || done == all) return;  // what is soon done needs no line
+        advance(done - told);
+        told = done;
+      });
   for (std::size_t d = 0; d < draws.size(); ++d) out[d].radiance = std::move(radiance[d]);
   const PixelCounts counts =
       pixel_counts(plan_, static_cast<double>(instrument.samples_u) * instrument.samples_v, plan_.sky.rays);

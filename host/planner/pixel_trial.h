@@ -8,6 +8,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <string>
 
 #include "host/planner/cost_model.h"
 #include "host/planner/trial_pixels.h"
@@ -23,12 +25,16 @@ struct SettingErrors {
   TrialError samples, sky;
 };
 
+/// Begins the report of a part of a trial, of so many tiles; what it returns is told how many more are done.
+using TrialProgress = std::function<std::function<void(std::uint64_t more)>(const std::string& what,
+                                                                            std::uint64_t total, const std::string&)>;
+
 class PixelTrial {
  public:
   /// `plan`: of the instrument, with any number of directions; `look_directions`: of the first look, which is rendered
   /// here. All must live as long as the trial.
   PixelTrial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-             const plan::Plan& plan, int look_directions = kLookDirections);
+             const plan::Plan& plan, int look_directions = kLookDirections, TrialProgress progress = {});
 
   /// What the first look found of its own setting.
   const SettingErrors& look() const { return look_; }
@@ -91,6 +97,7 @@ class PixelTrial {
   std::vector<double> mean_;
   std::uint64_t rays_ = 0;
   double cost_s_ = 0;
+  TrialProgress progress_;
 };
 
 }  // namespace raycube::planner

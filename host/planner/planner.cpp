@@ -410,14 +410,15 @@ void hold_tolerance(Decision& decision, const scene::Simulation& simulation, con
 }
 
 Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-                const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads) {
+                const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads,
+                TrialProgress progress) {
   Decision out = as_given(simulation, instrument, plan);
   hold_tolerance(out, simulation, instrument, plan, table, threads);
   const bool sky = plan.components() > 0;
   const bool all_given = out.samples_given && (out.directions_given || !sky);
   if (all_given && !estimate_given) return out;
   if (replicate(out, renderer, simulation, instrument, plan)) return out;
-  PixelTrial trial(renderer, simulation, instrument, plan, look_directions(out, simulation));
+  PixelTrial trial(renderer, simulation, instrument, plan, look_directions(out, simulation), std::move(progress));
   LevelSearch search(trial, simulation, instrument, plan, out);
   if (measuring_pays(out, search, plan, all_given)) measure_plan(out, simulation, instrument, plan, table, threads);
   Choice choice = search.settle();

@@ -376,7 +376,7 @@ void Renderer::probe_together(const scene::Instrument& instrument, const plan::P
 
 std::vector<std::vector<float>> Renderer::draws_of(const scene::Instrument& instrument, const plan::Plan& plan,
                                                    const scene::Sun& sun, const std::vector<PixelDraw>& draws,
-                                                   const std::vector<Tile>& tiles) {
+                                                   const std::vector<Tile>& tiles, const ProgressSink& progress) {
   const base::Doing doing("rendering tiles of instrument", instrument.name);
   const TilesTogether together(*state_, instrument, plan, sun, 0, tiles);
   TilePasses passes = together.passes();
@@ -393,6 +393,7 @@ std::vector<std::vector<float>> Renderer::draws_of(const scene::Instrument& inst
       std::size_t group = 0;
       for (std::size_t i = first; i < end; ++i) group = append_pixels(radiance, bands, tiles[i], group, width, out[d]);
     }
+    if (progress) progress(end, tiles.size());
   });
   return out;
 }

@@ -59,10 +59,10 @@ class Renderer {
                       std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
 
   /// Radiances of the tiles' pixels under each of the draws, [draw][pixel][band], as quickly. Neither adaptive samples
-  /// nor small objects nor replicates.
+  /// nor small objects nor replicates. progress: told of tiles that are done, of all.
   std::vector<std::vector<float>> draws_of(const scene::Instrument& instrument, const plan::Plan& plan,
                                            const scene::Sun& sun, const std::vector<PixelDraw>& draws,
-                                           const std::vector<Tile>& tiles);
+                                           const std::vector<Tile>& tiles, const ProgressSink& progress = {});
 
   /// The same tiles' first hits and nothing else: trace_primary alone, by the very program that render launches.
   void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,

@@ -77,7 +77,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
   } else if (planning.renderer) {
     job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table,
-                                   planning.estimate_given, services.threads);
+                                   planning.estimate_given, services.threads, services.progress);
   } else {
     job.decision = planner::as_given(simulation, instrument, job.plan);
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
