@@ -10,6 +10,7 @@
 #include "host/base/input_file.h"
 #include "host/base/json_text.h"
 #include "host/plan/sky_rays.h"
+#include "host/planner/plan_lines.h"
 #include "host/planner/replicated.h"
 #include "host/planner/sample_pattern.h"
 

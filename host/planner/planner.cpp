@@ -360,18 +360,18 @@ bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulatio
   if (left <= 0 || !may_replicate(simulation, instrument, plan)) return false;
   Replicates replicates = render_replicates(renderer, simulation, instrument, plan, left);
   out.measured = std::move(replicates.measured);
-  if (!replicates.image) return false;
+  if (replicates.count == 0) return false;
   out.image = std::move(replicates.image);
   out.estimated = true;
-  out.sampling = {scene::SamplerKind::lattice, kReplicateSamples, 1, kReplicateDirections, out.image->sums.count(), 0};
+  out.sampling = {scene::SamplerKind::lattice, kReplicateSamples, 1, kReplicateDirections, replicates.count, 0};
   if (plan.components() == 0) out.sampling.directions = simulation.sky_directions;
   count_cost(out, plan);
   out.total_error = std::hypot(out.plan_error, replicates.error.bound);
   out.within = out.total_error <= out.tolerance;
   out.trial_pixels = out.looked_at =
       static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
-  const auto& rendered = out.image->statistics;
-  out.trial_rays = rendered.primary_rays + rendered.sun_rays + rendered.sky_rays;
+  out.trial_rays = static_cast<std::uint64_t>((out.counts.samples + out.counts.sun_rays + out.counts.sky_rays) *
+                                              static_cast<double>(out.trial_pixels));
   note_tolerance(out, instrument.name);
   return true;
 }

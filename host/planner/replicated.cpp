@@ -11,8 +11,15 @@ namespace {
 
 /// Nominal seconds (CostModel) of four replicates, about what a first look takes, and of all that may be taken.
 constexpr double kFour_s = 0.25, kAll_s = 0.3;
-constexpr std::size_t kMostValues = 24'000'000;  ///< radiances and layers of the image: 16 bytes each
+constexpr double kMostValues = 8e6;  ///< radiances and layers of the image, 16 bytes each while replicates are summed
+constexpr double kPartOfMemory = 0.25;  ///< beyond it sums are not kept, and the image is rendered anew
+constexpr double kToldTo = 1e-6;        ///< errors are told so finely: what sums round by their order moves no choice
 constexpr int kFewest = 2;
+
+double values_of(const scene::Simulation& simulation, const scene::Instrument& instrument) {
+  return static_cast<double>(instrument.pixels) * instrument.lines *
+         static_cast<double>(instrument.bands.size() + simulation.scene.materials.size());
+}
 
 double replicate_s(const scene::Instrument& instrument, const plan::Plan& plan) {
   const double pixels = static_cast<double>(instrument.pixels) * instrument.lines;
@@ -37,7 +44,8 @@ TrialError error_of(const render::ReplicateSpread& spread) {
     out.bands.estimate.push_back(std::sqrt(square));
     out.bands.bound.push_back(std::sqrt(square + std::sqrt(spread.noise[b]) / judged));
   }
-  out.estimate = out.bands.worst_estimate(), out.bound = out.bands.worst_bound();
+  const auto told = [](double error) { return std::round(error / kToldTo) * kToldTo; };
+  out.estimate = told(out.bands.worst_estimate()), out.bound = told(out.bands.worst_bound());
   return out;
 }
 
@@ -45,10 +53,47 @@ bool may_replicate(const scene::Simulation& simulation, const scene::Instrument&
   const bool open = !instrument.samples_given && !(simulation.sky_directions_given && plan.components() > 0);
   const bool plain = instrument.box_pixels() && instrument.first_samples == 0 &&
                      instrument.standard_error == scene::StandardError::off;
-  const double values = static_cast<double>(instrument.pixels) * instrument.lines *
-                        static_cast<double>(instrument.bands.size() + simulation.scene.materials.size());
-  return open && plain && values <= kMostValues && 4 * replicate_s(instrument, plan) <= kFour_s;
+  return open && plain && values_of(simulation, instrument) <= kMostValues &&
+         4 * replicate_s(instrument, plan) <= kFour_s;
 }
+
+namespace {
+
+/// Doubles the replicates of an image and says what their mean errs: kept where there is memory for it, else all anew.
+class Doubling {
+ public:
+  Doubling(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+           const plan::Plan& plan)
+      : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
+    if (16 * values_of(simulation, instrument) <= kPartOfMemory * static_cast<double>(renderer.memory_bytes()))
+      image_ = std::make_shared<render::RenderedImage>(renderer.no_replicates(instrument));
+  }
+
+  int count() const { return count_; }
+
+  TrialError next() {
+    const int more = std::max(kFewest, count_);
+    count_ += more;
+    if (image_) {
+      renderer_.add_replicates(instrument_, plan_, simulation_.sun, simulation_.seed, more, *image_);
+      return error_of(image_->sums.spread());
+    }
+    instrument_.replicates = count_;
+    return error_of(renderer_.render(instrument_, plan_, simulation_.sun, simulation_.seed, [](const auto&) {}).spread);
+  }
+
+  std::shared_ptr<const render::RenderedImage> image() { return std::move(image_); }
+
+ private:
+  render::Renderer& renderer_;
+  const scene::Simulation& simulation_;
+  scene::Instrument instrument_;
+  const plan::Plan& plan_;
+  std::shared_ptr<render::RenderedImage> image_;
+  int count_ = 0;
+};
+
+}  // namespace
 
 Replicates render_replicates(render::Renderer& renderer, const scene::Simulation& simulation,
                              const scene::Instrument& given, const plan::Plan& planned, double budget) {
@@ -58,22 +103,21 @@ Replicates render_replicates(render::Renderer& renderer, const scene::Simulation
   plan::Plan plan = planned;
   if (plan.components() > 0) plan.sky.rays = kReplicateDirections;
   const double each_s = replicate_s(instrument, plan);
-  auto image = std::make_shared<render::RenderedImage>(renderer.no_replicates(instrument));
+  Doubling doubling(renderer, simulation, instrument, plan);
   Replicates out;
   for (bool fitted = false;;) {
-    const int count = image->sums.count();
-    renderer.add_replicates(instrument, plan, simulation.sun, simulation.seed, std::max(kFewest, count), *image);
-    out.error = error_of(image->sums.spread());
-    out.measured.push_back(fmt::format("{} x lattice {}, directions {}: {:.2g} %, at most {:.2g} %",
-                                       image->sums.count(), kReplicateSamples, kReplicateDirections,
-                                       100 * out.error.estimate, 100 * out.error.bound));
+    out.error = doubling.next();
+    const int count = doubling.count();
+    out.measured.push_back(fmt::format("{} x lattice {}, directions {}: {:.2g} %, at most {:.2g} %", count,
+                                       kReplicateSamples, kReplicateDirections, 100 * out.error.estimate,
+                                       100 * out.error.bound));
     const bool fits = out.error.bound <= budget;
     if (fits && fitted) break;
-    const int all = fits ? 2 * image->sums.count() : foreseen(image->sums.count(), out.error.bound, budget);
+    const int all = fits ? 2 * count : foreseen(count, out.error.bound, budget);
     if (all > kMostReplicates || all * each_s > kAll_s) return out;
     fitted = fits;
   }
-  out.image = std::move(image);
+  out.count = doubling.count(), out.image = doubling.image();
   return out;
 }
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "host/planner/cost_model.h"
 #include "host/planner/trial_pixels.h"
@@ -20,7 +22,8 @@ inline constexpr int kMostReplicates = 64;
 TrialError error_of(const render::ReplicateSpread& spread);
 
 struct Replicates {
-  std::shared_ptr<const render::RenderedImage> image;
+  int count = 0;  ///< 0: so many would take more than a trial and a render by its choice
+  std::shared_ptr<const render::RenderedImage> image;  ///< null: there is not memory enough to keep it
   TrialError error;
   std::vector<std::string> measured;  ///< every number of replicates that was judged
 };
@@ -29,8 +32,7 @@ struct Replicates {
 /// square of its samples, and four replicates take less than a trial.
 bool may_replicate(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
 
-/// Replicates whose mean errs by at most `budget`; no image where so many would take more than a trial and a render by
-/// its choice.
+/// Replicates whose mean errs by at most `budget`, as many whatever the memory.
 Replicates render_replicates(render::Renderer& renderer, const scene::Simulation& simulation,
                              const scene::Instrument& instrument, const plan::Plan& plan, double budget);
 

@@ -215,6 +215,7 @@ Renderer::Renderer(const scene::CompiledScene& scene, const RenderOptions& optio
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
+std::size_t Renderer::memory_bytes() const { return state_->options.memory_bytes; }
 std::string Renderer::device_name() const { return state_->context.device().name(); }
 DeviceTuning Renderer::tuning() const { return state_->used_tuning(); }
 cl::Context& Renderer::context() { return state_->context; }

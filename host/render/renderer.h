@@ -74,6 +74,8 @@ class Renderer {
   /// Largest tile of a render whose launches are of about `tile_samples` samples, as memory and image allow.
   TileSize tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const;
 
+  /// What the options grant for tiles.
+  std::size_t memory_bytes() const;
   std::string device_name() const;
   /// What launches use now.
   DeviceTuning tuning() const;

@@ -87,7 +87,9 @@ LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrum
                          std::size_t row_capacity) {
   const std::size_t cubes = instrument.standard_error == scene::StandardError::bands ? 2 : 1;
   LeastMemory out;
-  out.strip_values = cubes * instrument.bands.size() + truth_layer_names(scene, instrument).size();
+  const std::size_t layers = truth_layer_names(scene, instrument).size();
+  out.strip_values = cubes * instrument.bands.size() + layers;
+  if (instrument.replicates > 1) out.strip_values += 4 * instrument.bands.size() + 2 * layers;  // sums are doubles
   out.table_rows = std::min(kFewestRows, most_rows(scene, plan));
   std::size_t& bytes = out.more_bytes;
   const auto add_parts = [&](const StageShape& shape) {
