@@ -65,6 +65,7 @@ class Doubling {
   Doubling(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
            const plan::Plan& plan)
       : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
+    instrument_.small_objects = scene::SmallObjects::off;  // the law of most pixels
     if (16 * values_of(simulation, instrument) <= kPartOfMemory * static_cast<double>(renderer.memory_bytes()))
       image_ = std::make_shared<render::RenderedImage>(renderer.no_replicates(instrument));
   }
