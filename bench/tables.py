@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, trace_once, mitsuba, scaling,
-leaf_level, flops, planner)
+leaf_level, flops, planner, waits)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
 PART -->` and `<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it
@@ -108,6 +108,26 @@ def readme_mitsuba(data):
     )
 
 
+def waits(keys):
+    """What one waits for, now and before."""
+    tasks = (
+        ("starter", "the cube of `raycube new`'s scene, 64 x 64 pixels of 98 bands"),
+        ("study", "a detection study: fifteen cubes of 64 x 64 pixels and 200 bands, with one's plan"),
+        ("park", "the park at 3 %: 320 x 320 pixels, 360 bands, 10 M triangles"),
+        ("emit", "276 bands of 100 x 100 pixels of 60 m over 10 000 trees, as EMIT sees them"),
+        ("preview", "a first picture of the park"),
+    )
+    lines = [
+        f"| what one waits for, from the command to its end (air and kernels cached) | s | in {keys['waits_before']} |",
+        "|---|---|---|",
+    ]
+    for name, text in tasks:
+        before = keys.get(f"wait_{name}_before_s")
+        was = f"{before:.2g}" if before is not None else "there was none"
+        lines.append(f"| {text} | {keys[f'wait_{name}_s']:.2g} | {was} |")
+    return "\n".join(lines) + "\n"
+
+
 def renew(path, part, text):
     """Replaces what stands between the markers of `part`. A page without them is left as it is; True when it had
     them."""
@@ -153,6 +173,11 @@ def main(parts):
     if "flops" in parts:
         figures.update(json.loads((ROOT / "build/bench/flops.json").read_text())["keys"])
         texts["flops"] = (ROOT / "build/bench/flops.md").read_text()
+    if "waits" in parts:
+        waited = json.loads((ROOT / "build/bench/waits.json").read_text())
+        figures.update(waited)
+        texts["waits"] = waits(waited)
+        renew(ROOT / "README.md", "waits", waits(waited))
     if "planner" in parts:
         figures.update(json.loads((ROOT / "build/bench/planner.json").read_text())["keys"])
         texts["planner"] = (ROOT / "build/bench/planner.md").read_text()
