@@ -363,7 +363,8 @@ bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulatio
   if (replicates.count == 0) return false;
   out.image = std::move(replicates.image);
   out.estimated = true;
-  out.sampling = {scene::SamplerKind::lattice, kReplicateSamples, 1, kReplicateDirections, replicates.count, 0};
+  const auto& [samples, directions] = replicates.size;
+  out.sampling = {scene::SamplerKind::lattice, samples, 1, directions, replicates.count, 0};
   if (plan.components() == 0) out.sampling.directions = simulation.sky_directions;
   count_cost(out, plan);
   out.total_error = std::hypot(out.plan_error, replicates.error.bound);

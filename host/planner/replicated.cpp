@@ -1,16 +1,25 @@
 #include "host/planner/replicated.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
+
+#include "host/planner/planner.h"
 
 namespace raycube::planner {
 
 namespace {
 
 /// Nominal seconds (CostModel) of four replicates, about what a first look takes, and of all that may be taken.
-constexpr double kFour_s = 0.25, kAll_s = 0.3;
+constexpr double kFour_s = 0.25, kAll_s = 0.6;
+/// Samples of a replicate. Few numbers, since each is a program of its own.
+constexpr std::array kSizes = {kReplicateSamples, 34, 89, 233, 610};
+/// How samples and directions go up where the error is to come down by a factor: the usual laws of error_law.h, not
+/// the careful ones, since twice as many replicates are the worst that comes of it.
+constexpr double kSamplesPower = 1.0 / 0.75, kDirectionsPower = 1.0 / 0.7;
 constexpr double kMostValues = 8e6;  ///< radiances and layers of the image, 16 bytes each while replicates are summed
 constexpr double kPartOfMemory = 0.25;  ///< beyond it sums are not kept, and the image is rendered anew
 constexpr double kToldTo = 1e-6;        ///< errors are told so finely: what sums round by their order moves no choice
@@ -21,9 +30,9 @@ double values_of(const scene::Simulation& simulation, const scene::Instrument& i
          static_cast<double>(instrument.bands.size() + simulation.scene.materials.size());
 }
 
-double replicate_s(const scene::Instrument& instrument, const plan::Plan& plan) {
+double replicate_s(const scene::Instrument& instrument, const plan::Plan& plan, ReplicateSize size = {}) {
   const double pixels = static_cast<double>(instrument.pixels) * instrument.lines;
-  return pixels * CostModel().seconds(pixel_counts(plan, kReplicateSamples, kReplicateDirections));
+  return pixels * CostModel().seconds(pixel_counts(plan, size.samples, size.directions));
 }
 
 /// As many as double the count until the error seen fits, and once more.
@@ -32,6 +41,18 @@ int foreseen(int count, double error, double budget) {
   int out = count;
   while (out < needed && out < 2 * kMostReplicates) out *= 2;
   return std::min(2 * out, 4 * kMostReplicates);
+}
+
+/// Of which two may be hoped to fit, where `count` of this size err by so much.
+ReplicateSize larger(ReplicateSize size, int count, double error, double budget) {
+  const double fall = error * std::sqrt(0.5 * count) / budget;
+  const auto nearest = [](const auto& levels, double wanted) {
+    return *std::min_element(levels.begin(), levels.end(), [&](int a, int b) {
+      return std::abs(std::log(a / wanted)) < std::abs(std::log(b / wanted));
+    });
+  };
+  return {std::max(size.samples, nearest(kSizes, size.samples * std::pow(fall, kSamplesPower))),
+          std::max(size.directions, nearest(direction_levels(), size.directions * std::pow(fall, kDirectionsPower)))};
 }
 
 }  // namespace
@@ -63,8 +84,11 @@ namespace {
 class Doubling {
  public:
   Doubling(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-           const plan::Plan& plan)
+           const plan::Plan& plan, ReplicateSize size)
       : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
+    instrument_.sampler = scene::SamplerKind::lattice;
+    instrument_.samples_u = size.samples, instrument_.samples_v = 1;
+    if (plan_.components() > 0) plan_.sky.rays = size.directions;
     instrument_.small_objects = scene::SmallObjects::off;  // the law of most pixels
     if (16 * values_of(simulation, instrument) <= kPartOfMemory * static_cast<double>(renderer.memory_bytes()))
       image_ = std::make_shared<render::RenderedImage>(renderer.no_replicates(instrument));
@@ -89,7 +113,7 @@ class Doubling {
   render::Renderer& renderer_;
   const scene::Simulation& simulation_;
   scene::Instrument instrument_;
-  const plan::Plan& plan_;
+  plan::Plan plan_;
   std::shared_ptr<render::RenderedImage> image_;
   int count_ = 0;
 };
@@ -97,28 +121,30 @@ class Doubling {
 }  // namespace
 
 Replicates render_replicates(render::Renderer& renderer, const scene::Simulation& simulation,
-                             const scene::Instrument& given, const plan::Plan& planned, double budget) {
-  scene::Instrument instrument = given;
-  instrument.sampler = scene::SamplerKind::lattice;
-  instrument.samples_u = kReplicateSamples, instrument.samples_v = 1;
-  plan::Plan plan = planned;
-  if (plan.components() > 0) plan.sky.rays = kReplicateDirections;
-  const double each_s = replicate_s(instrument, plan);
-  Doubling doubling(renderer, simulation, instrument, plan);
+                             const scene::Instrument& instrument, const plan::Plan& plan, double budget) {
   Replicates out;
+  auto doubling = std::make_unique<Doubling>(renderer, simulation, instrument, plan, out.size);
   for (bool fitted = false;;) {
-    out.error = doubling.next();
-    const int count = doubling.count();
+    out.error = doubling->next();
+    const int count = doubling->count();
     out.measured.push_back(fmt::format("{} x lattice {}, directions {}: {:.2g} %, at most {:.2g} %", count,
-                                       kReplicateSamples, kReplicateDirections, 100 * out.error.estimate,
+                                       out.size.samples, out.size.directions, 100 * out.error.estimate,
                                        100 * out.error.bound));
     const bool fits = out.error.bound <= budget;
     if (fits && fitted) break;
-    const int all = fits ? 2 * count : foreseen(count, out.error.bound, budget);
-    if (all > kMostReplicates || all * each_s > kAll_s) return out;
     fitted = fits;
+    const int all = fits ? 2 * count : foreseen(count, out.error.bound, budget);
+    const ReplicateSize more = larger(out.size, count, out.error.bound, budget);
+    const double doubled_s = all > kMostReplicates ? std::numeric_limits<double>::infinity()
+                                                   : all * replicate_s(instrument, plan, out.size),
+                 larger_s = more.samples == out.size.samples ? std::numeric_limits<double>::infinity()  // of no use
+                                                             : 2 * kFewest * replicate_s(instrument, plan, more);
+    if (std::min(doubled_s, larger_s) > kAll_s) return out;
+    if (fits || doubled_s <= larger_s) continue;
+    out.size = more;
+    doubling = std::make_unique<Doubling>(renderer, simulation, instrument, plan, out.size);
   }
-  out.count = doubling.count(), out.image = doubling.image();
+  out.count = doubling->count(), out.image = doubling->image();
   return out;
 }
 

@@ -13,15 +13,21 @@
 
 namespace raycube::planner {
 
-/// Samples (a lattice) and sky directions of each replicate. A lattice of as many points as all replicates have errs
-/// less than they do, so few are right where few replicates do.
+/// Samples (a lattice) and sky directions of the first replicates. A lattice of as many points as all replicates have
+/// errs less than they do, so few are right where few replicates do; where more would cost more than larger ones, these
+/// are rendered in their place.
 inline constexpr int kReplicateSamples = 13, kReplicateDirections = 8;
 inline constexpr int kMostReplicates = 64;
+
+struct ReplicateSize {
+  int samples = kReplicateSamples, directions = kReplicateDirections;
+};
 
 /// What is known of a mean over replicates, by their spread over all its pixels.
 TrialError error_of(const render::ReplicateSpread& spread);
 
 struct Replicates {
+  ReplicateSize size;
   int count = 0;  ///< 0: so many would take more than a trial and a render by its choice
   std::shared_ptr<const render::RenderedImage> image;  ///< null: there is not memory enough to keep it
   TrialError error;

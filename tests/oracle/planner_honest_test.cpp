@@ -145,6 +145,6 @@ TEST_CASE(
     // An image that is rendered at once may take what a trial would have taken, nominal seconds.
     const double image = kPixels * kLines, spent = image * cost(d.sampling.replicates * d.sampling.samples_u);
     CHECK(spent <= 2 * least * image + (d.image ? 0.3 : 0));
-    CHECK(d.sampling.directions <= 8);  // leaves hide little of the sky from one another
+    if (!d.image) CHECK(d.sampling.directions <= 8);  // leaves hide little of the sky from one another
   }
 }
