@@ -42,9 +42,7 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
                              instrument.lines, instrument.bands.size(), 100 * simulation.tolerance);
   said.table = planner::lines_text(lines);
   said.summary = fmt::format(
-      "  estimated error {} of {:.3g} %: nodes and components {}{}, samples {}, sky directions {}, each of its own "
-      "worst "
-      "band; {}\n"
+      "  estimated error {} of {:.3g} %: nodes and components {}{}, {}, each of its own worst band; {}\n"
       "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {:.2g} s per megapixel on the nominal "
       "machine\n"
       "  trial           {} pixels, {:.2g} rays\n",
@@ -54,8 +52,7 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
                 " (on {} pixels against the whole tables; in the table above {} for the worst place and obstacle)",
                 d.model_pixels, planner::percent_text(d.plan_estimate))
           : "",
-      planner::percent_text(d.samples_error), planner::percent_text(d.sky_error),
-      d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT",
+      planner::drawn_text(d), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT",
       d.counts.samples + d.counts.sun_rays + d.counts.sky_rays, d.counts.terms, d.counts.bands, d.s_per_megapixel,
       d.trial_pixels, static_cast<double>(d.trial_rays));
   said.entry = {instrument.name, false, d.sampling, 0, planner::axes_json(job.plan), planner::decision_json(d, lines)};

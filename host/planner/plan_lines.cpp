@@ -138,6 +138,11 @@ std::string sampling_text(const Sampling& s) {
 
 namespace {
 
+/// Of samples and sky directions together.
+double drawn_error(const Decision& d) {
+  return d.total_error < 0 ? -1 : std::sqrt(std::max(0.0, d.total_error * d.total_error - d.plan_error * d.plan_error));
+}
+
 /// How the error of what was tried is known.
 std::string tried_text(const Decision& d) {
   return d.sampling.replicates > 1
@@ -151,8 +156,7 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
   samples.block = "samples";
   samples.level = sampling_text(d.sampling);
   samples.error = d.samples_error, samples.next_error = d.samples_less_error, samples.given = d.samples_given;
-  if (d.sampling.replicates > 1 && d.total_error >= 0)
-    samples.error = std::sqrt(std::max(0.0, d.total_error * d.total_error - d.plan_error * d.plan_error));
+  if (d.sampling.replicates > 1) samples.error = drawn_error(d);
   samples.cost = fmt::format("{:.0f} rays a pixel", d.counts.samples);
   samples.why = d.samples_given
                     ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
@@ -185,6 +189,11 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
 }
 
 }  // namespace
+
+std::string drawn_text(const Decision& d) {
+  if (d.sampling.replicates > 1) return "samples and sky directions " + percent_text(drawn_error(d));
+  return fmt::format("samples {}, sky directions {}", percent_text(d.samples_error), percent_text(d.sky_error));
+}
 
 std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
   const plan::PlanReport& report = plan.report;

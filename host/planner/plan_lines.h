@@ -26,6 +26,8 @@ std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const 
 
 /// "0.42 %", "1e-05 %"; "-" below 0.
 std::string percent_text(double error);
+/// The errors of samples and sky directions, or of both together where they are not known apart.
+std::string drawn_text(const Decision& decision);
 /// Samples of a pixel as they are taken: "lattice 34", "4 x lattice 13".
 std::string sampling_text(const Sampling& sampling);
 

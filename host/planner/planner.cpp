@@ -373,7 +373,6 @@ bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulatio
       static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
   out.trial_rays = static_cast<std::uint64_t>((out.counts.samples + out.counts.sun_rays + out.counts.sky_rays) *
                                               static_cast<double>(out.trial_pixels));
-  note_tolerance(out, instrument.name);
   return true;
 }
 

@@ -92,9 +92,9 @@ Choice choose(const LevelErrors& of_samples, const LevelErrors& of_directions, d
               const std::vector<int>& samples, const std::vector<int>& directions);
 
 /// Makes the decision for an instrument. `plan`: of make_plan with `table`, any directions. With samples and directions
-/// both given nothing is tried unless `estimate_given` (progress: told of what is); else the nodes' and components' error is measured too where its
-/// estimate takes much of the tolerance. `threads`: of what is computed on the host; 0: all. Throws Error(input) as
-/// hold_tolerance does.
+/// both given nothing is tried unless `estimate_given`; else the nodes' and components' error is measured too where its
+/// estimate takes much of the tolerance. `threads`: of what is computed on the host; 0: all. `progress`: told of
+/// trials. Throws Error(input) as hold_tolerance does.
 Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
                 const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads = 0,
                 TrialProgress progress = {});
