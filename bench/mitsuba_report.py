@@ -79,7 +79,7 @@ def what_an_expert_would_use(data):
         "*worst* band, which is what "
         "`tolerance` means (few sky directions look two to four times better by the median), raycube takes 0.6 to 0.8 "
         "of the time of such a "
-        "script on this scene, 0.7 to 1.0 with its plan (`ci/bench trace_once`, 2026-11-25)."
+        "script on this scene, 0.65 to 0.95 with its plan (`ci/bench trace_once`, 2026-11-25)."
     )
 
 
