@@ -118,7 +118,8 @@ def waits(keys):
         ("preview", "a first picture of the park"),
     )
     lines = [
-        f"| what one waits for, from the command to its end (air and kernels cached) | s | in {keys['waits_before']} |",
+        "| what one waits for, from the command to its end (air and kernels cached) | now, s | "
+        f"before (commit {keys['waits_before']}), s |",
         "|---|---|---|",
     ]
     for name, text in tasks:

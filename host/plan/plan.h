@@ -48,11 +48,10 @@ struct SkyRays {
   double asymmetry = 0.5;
   double spread = 0;           ///< variance of one ray's light over its mean's square: mean over many tilts, open sky
   double sun_azimuth_rad = 0;  ///< from which the maps' azimuth counts, clockwise from north
-  std::uint32_t draw = 0;      ///< other rays of one seed, for trials
   std::vector<float> open_share;  ///< [surface], 0 .. 1, taken for granted; empty: 1 everywhere
-  /// What the rays of a render with this seed are hashed by; other: draws beside the plan's own.
-  std::uint32_t hash_seed(std::uint64_t seed, std::uint32_t other = 0) const {
-    return static_cast<std::uint32_t>(seed) + (draw + other) * 0x9e3779b9u;
+  /// What the rays of a render with this seed are hashed by; draw: other rays of one seed, for trials.
+  static std::uint32_t hash_seed(std::uint64_t seed, std::uint32_t draw = 0) {
+    return static_cast<std::uint32_t>(seed) + draw * 0x9e3779b9u;
   }
   float known(std::size_t surface) const { return surface < open_share.size() ? open_share[surface] : 1.0f; }
 };

@@ -45,7 +45,9 @@ constexpr int kSkyStep = 4;  ///< every so many positions the sky is summed up, 
 static_assert((kLinePositions - 1) == 3 * kSkyStep);
 
 /// Irradiance of the sky at every position of the line of heights. The sky falls off smoothly with height, and its sums
-/// over all directions are the dearest part of a plan.
+/// over all directions are the dearest part of a plan. Error: none that was seen; with all thirteen summed up the
+/// errors told of the starter, the park, EMIT's trees and 2.5 km of relief in both models of air are the same to the
+/// last digit, as sun and path err more between nodes of height.
 std::vector<Spectrum> irradiance_along(const TableSpectra& air, const Domain& domain, Sky kind) {
   std::array<Spectrum, 4> at;
   for (int k = 0; k < 4; ++k)

@@ -63,7 +63,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   services.log.set_status(instrument.name + ": planning samples and sky directions");
   job.plan.baked = std::make_shared<plan::BakedRows>();
-  if (planning.renderer) {
+  if (planning.renderer && (job.plan.components() > 0 || !planning.replay)) {  // else the render loads its own
     const auto loading = std::chrono::steady_clock::now();
     const double processor_s = base::processor_seconds();
     planning.renderer->load_programs(planner::first_launched(simulation, instrument, job.plan), job.plan);

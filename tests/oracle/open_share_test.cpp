@@ -78,14 +78,20 @@ TEST_CASE("S16 ground before a wall: any share taken for granted gives the same 
 TEST_CASE("S60 other draws of one seed change the sky's rays and nothing else") {
   auto s = before_wall();
   s.instruments[0].bands = test::gaussian_bands({0.5}, 0.02);
-  const auto table = atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0});
-  const auto drawn = [&](std::uint32_t draw) {
-    return test::render_image(s, table, {}, [&](plan::Plan& plan) { plan.sky.draw = draw; });
+  s.sun.zenith_deg = 40, s.sun.azimuth_deg = 270;  // behind the wall, whose shadow ends among the pixels
+  s.instruments[0].sampler = scene::SamplerKind::lattice;
+  render::Renderer renderer(s.scene, {});
+  const auto drawn = [&](double sky_radiance) {
+    const auto table =
+        atmos::uniform_sky_table(1000, sky_radiance, {0.3, 1.0, 4.0}, s.sun.zenith_deg, s.sun.azimuth_deg);
+    const auto plan = plan::make_plan(s, s.instruments[0], table, sensors::view_bounds(s.instruments[0]));
+    return renderer.draws_of(s.instruments[0], plan, s.sun, {{1, 0}, {1, 0}, {1, 1}, {2, 0}}, {{0, 24, 0, 24}});
   };
-  const auto one = drawn(0), again = drawn(0), other = drawn(1);
-  CHECK(one.radiance == again.radiance);
-  CHECK(one.truth == other.truth);
-  CHECK(one.radiance != other.radiance);
+  const auto lit = drawn(kSkyRadiance), dark = drawn(0);
+  CHECK(lit[0] == lit[1]);
+  CHECK(lit[0] != lit[2]);
+  CHECK(dark[0] == dark[2]);  // samples and sun are those of the seed
+  CHECK(dark[0] != dark[3]);
 }
 
 TEST_CASE("S16 isothermal: sky, walls and ground of one temperature show it whatever is taken for granted") {

@@ -1,4 +1,4 @@
-// The name under which a table of the layered model is kept: whatever the table follows from changes it, and
+// The name under which a table of the built-in models is kept: whatever the table follows from changes it, and
 // nothing else does.
 #include "host/run/air_request.h"
 
@@ -180,4 +180,35 @@ TEST_CASE(
     CHECK(hash(company + key + " = " + value->second + "\n") != hash(company));
   }
   CHECK(keys == other.size());
+}
+
+TEST_CASE("S18 every key of [atmosphere] that the clear sky takes changes the name; it refuses all others") {
+  const Folder folder;
+  const std::map<std::string, std::string> taken = {
+      {"angstrom", "1.5"},      {"ssa", "0.9"},          {"asymmetry", "0.6"},
+      {"ground_albedo", "0.2"}, {"pressure_hPa", "950"}, {"water_g_cm2", "2.5"},
+      {"ozone_atm_cm", "0.4"},  {"aod_550", "0.3"},      {"ground_height_m", "150"},
+  };
+  const std::set<std::string> of_no_table = {"model", "tables", "adjacency"};
+  LoadOptions no_instruments;
+  no_instruments.need_instruments = false;
+  const auto hash = [&](const std::string& key) {
+    const std::string text = std::string(kHead) + kGrey + "[atmosphere]\nmodel = \"clear_sky\"\n" + key;
+    return hash_of(load(folder, text, no_instruments).atmosphere);
+  };
+  std::set<std::string> names = {hash(""), hash_of(layered())};
+  CHECK(names.size() == 2);
+  std::size_t keys = 0;
+  for (const KeySpec& spec : option_keys()) {
+    const std::string key(spec.key);
+    if (std::string(spec.table) != "atmosphere" || of_no_table.count(key)) continue;
+    CAPTURE(key);
+    if (const auto value = taken.find(key); value != taken.end()) {
+      CHECK(names.insert(hash(key + " = " + value->second + "\n")).second);
+      ++keys;
+    } else {
+      CHECK_THROWS_AS(hash(key + " = 1\n"), base::Error);
+    }
+  }
+  CHECK(keys == taken.size());
 }
