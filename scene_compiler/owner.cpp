@@ -46,13 +46,14 @@ std::vector<Placement> placements(const CompiledScene& scene) {
 MeshTriangles::MeshTriangles(const CompiledScene& scene) : first_(scene.meshes.size() + 1, 0) {
   for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh)
     first_[mesh + 1] = first_[mesh] + scene.meshes[mesh].triangle_count();
-  primitive_.resize(first_.back());
+  primitive_.resize(first_.back()), surface_.resize(first_.back());
   for (const Tree& tree : scene.trees)
     for (std::uint32_t p = tree.first_block * RC_BLOCK; p < (tree.first_block + tree.block_count) * RC_BLOCK; ++p) {
       const shared::TriBlock& block = scene.blocks[p / RC_BLOCK];
       const std::uint32_t lane = p % RC_BLOCK;
       if (block.surface[lane] == RC_NONE) continue;
-      primitive_[first_[mesh_of(scene, tree, block.placed_after[lane])] + block.triangle[lane]] = p;
+      const std::size_t at = first_[mesh_of(scene, tree, block.placed_after[lane])] + block.triangle[lane];
+      primitive_[at] = p, surface_[at] = block.surface[lane];
     }
 }
 

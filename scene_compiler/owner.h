@@ -44,10 +44,14 @@ class MeshTriangles {
   std::span<const std::uint32_t> of(std::uint32_t mesh) const {
     return {primitive_.data() + first_[mesh], first_[mesh + 1] - first_[mesh]};
   }
+  /// Their surfaces.
+  std::span<const std::uint32_t> surfaces_of(std::uint32_t mesh) const {
+    return {surface_.data() + first_[mesh], first_[mesh + 1] - first_[mesh]};
+  }
 
  private:
   std::vector<std::size_t> first_;  ///< [mesh], and the end
-  std::vector<std::uint32_t> primitive_;
+  std::vector<std::uint32_t> primitive_, surface_;
 };
 
 }  // namespace raycube::scene

@@ -22,18 +22,24 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
     throw base::Error(base::Fault::bug,
                       "bake_row: environment " + std::to_string(node) + " of " + std::to_string(map.nodes()));
   const std::size_t grid = plan.wavelength_um.size(), channels = static_cast<std::size_t>(plan.environment_channels());
-  std::vector<double> molecules(grid, 0.0), aerosol(grid, 0.0);
-  for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p) {
-    const auto& part = map.part[p];
-    const auto& reflectance = map.reflectance[part.material];
-    for (std::size_t i = 0; i < grid; ++i) molecules[i] += part.molecules * reflectance[i];
-    for (std::size_t i = 0; i < grid; ++i) aerosol[i] += part.aerosol * reflectance[i];
-  }
   std::vector<std::vector<double>> out(channels, std::vector<double>(grid));
-  for (std::size_t c = 0; c < channels; ++c)
-    for (std::size_t i = 0; i < grid; ++i)
-      out[c][i] =
-          molecules[i] * plan.environment_spectrum[c][i] + aerosol[i] * plan.environment_spectrum[channels + c][i];
+  constexpr std::size_t block = 256;  // sums of so many wavelengths stay in the nearest cache
+  for (std::size_t begin = 0; begin < grid; begin += block) {
+    const std::size_t count = std::min(block, grid - begin);
+    double molecules[block] = {}, aerosol[block] = {};
+    for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p) {
+      const auto& part = map.part[p];
+      const double* reflectance = &map.reflectance[part.material][begin];
+      for (std::size_t i = 0; i < count; ++i)
+        molecules[i] += part.molecules * reflectance[i], aerosol[i] += part.aerosol * reflectance[i];
+    }
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double *by_molecules = &plan.environment_spectrum[c][begin],
+                   *by_aerosol = &plan.environment_spectrum[channels + c][begin];
+      for (std::size_t i = 0; i < count; ++i)
+        out[c][begin + i] = molecules[i] * by_molecules[i] + aerosol[i] * by_aerosol[i];
+    }
+  }
   return out;
 }
 
@@ -53,6 +59,28 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
     for (std::size_t i = 0; i < product.size(); ++i) product[i] *= values[i];
   }
   return product;
+}
+
+/// take(c, sum of weight times spectrum c from `first` on) of channels from .. to - 1, four at once: four sums that do
+/// not wait for each other.
+template <class Take>
+void add_channels(const std::vector<double>& weight, std::size_t first, const std::vector<std::vector<double>>& spectra,
+                  std::size_t from, std::size_t to, const Take& take) {
+  std::size_t c = from;
+  for (; c + 4 <= to; c += 4) {
+    const double *s0 = &spectra[c][first], *s1 = &spectra[c + 1][first], *s2 = &spectra[c + 2][first],
+                 *s3 = &spectra[c + 3][first];
+    double sum[4] = {};
+    for (std::size_t i = 0; i < weight.size(); ++i)
+      sum[0] += weight[i] * s0[i], sum[1] += weight[i] * s1[i], sum[2] += weight[i] * s2[i],
+          sum[3] += weight[i] * s3[i];
+    for (std::size_t k = 0; k < 4; ++k) take(c + k, sum[k]);
+  }
+  for (; c < to; ++c) {
+    double sum = 0;
+    for (std::size_t i = 0; i < weight.size(); ++i) sum += weight[i] * spectra[c][first + i];
+    take(c, sum);
+  }
 }
 
 }  // namespace
@@ -88,15 +116,18 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
     for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
   out.assign(spectra.size() * padded, 0.0f);
-  for (std::size_t c = 0; c < spectra.size(); ++c) {
-    const std::vector<double>& factor = curves > 0 && c >= first_emission ? emitted : scattered;
-    for (std::size_t b = 0; b < bands; ++b) {
-      const auto& band = plan.bands[b];
-      double sum = 0;
-      for (std::size_t i = 0; i < band.weight.size(); ++i)
-        sum += band.weight[i] * factor[band.first + i] * spectra[c][band.first + i];
-      out[c * padded + b] = static_cast<float>(sum);
-    }
+  const std::size_t all = spectra.size(), lit = curves > 0 ? std::min(first_emission, all) : all;
+  std::vector<double> weight;
+  for (std::size_t b = 0; b < bands; ++b) {
+    const auto& band = plan.bands[b];
+    const auto into = [&](const std::vector<double>& factor, std::size_t from, std::size_t to) {
+      weight = band.weight;
+      for (std::size_t i = 0; i < weight.size(); ++i) weight[i] *= factor[band.first + i];
+      add_channels(weight, band.first, spectra, from, to,
+                   [&](std::size_t c, double sum) { out[c * padded + b] = static_cast<float>(sum); });
+    };
+    into(scattered, 0, lit);
+    if (lit < all) into(emitted, lit, all);
   }
   if (plan.baked) plan.baked->keep(key, out);
   return out;

@@ -46,6 +46,7 @@ class GroundRaster {
     columns_ = static_cast<std::size_t>(std::ceil(region.width() / cell_ - 1e-9));
     rows_ = static_cast<std::size_t>(std::ceil(region.height() / cell_ - 1e-9));
     dx_ = region.width() / static_cast<double>(columns_), dy_ = region.height() / static_cast<double>(rows_);
+    per_dx_ = 1 / dx_, per_dy_ = 1 / dy_;
     surface_.resize(rows_ * columns_);
     base::for_each_index(rows_, threads, [&](std::size_t r) {
       for (std::size_t c = 0; c < columns_; ++c)
@@ -57,8 +58,8 @@ class GroundRaster {
     return !surface_.empty() && x >= region_.x_lo && x <= region_.x_hi && y >= region_.y_lo && y <= region_.y_hi;
   }
   std::uint32_t at(double x, double y) const {
-    const auto c = static_cast<std::size_t>(std::max(0.0, (x - region_.x_lo) / dx_));
-    const auto r = static_cast<std::size_t>(std::max(0.0, (y - region_.y_lo) / dy_));
+    const auto c = static_cast<std::size_t>(std::max(0.0, (x - region_.x_lo) * per_dx_));
+    const auto r = static_cast<std::size_t>(std::max(0.0, (y - region_.y_lo) * per_dy_));
     return surface_[std::min(r, rows_ - 1) * columns_ + std::min(c, columns_ - 1)];
   }
   const std::vector<std::uint32_t>& surfaces() const { return surface_; }
@@ -66,7 +67,7 @@ class GroundRaster {
 
  private:
   Region region_;
-  double cell_ = 0, dx_ = 1, dy_ = 1;
+  double cell_ = 0, dx_ = 1, dy_ = 1, per_dx_ = 1, per_dy_ = 1;
   std::size_t columns_ = 0, rows_ = 0;
   std::vector<std::uint32_t> surface_;
 };

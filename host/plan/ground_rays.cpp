@@ -39,6 +39,7 @@ double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2]
 
 /// Boxes are rounded outwards for fp32 rays already; this much more (relative) covers the matrices' rounding.
 constexpr double kBoxSlack = 1e-6;
+constexpr std::size_t kChildren = std::size(shared::BvhNode{}.child);
 
 /// Where a ray enters a child's box before t_max; infinite: nowhere.
 double enters_box(const shared::BvhNode& node, std::uint32_t slot, const Ray& ray, double t_max) {
@@ -60,12 +61,31 @@ double enters_box(const shared::BvhNode& node, std::uint32_t slot, const Ray& ra
   return enter <= leave ? enter : nowhere;
 }
 
+/// Whether a ray that goes straight down (or up) in this frame may meet each child's box: at least those that it does.
+/// In float and for all at once; the slack is many times what that rounds by.
+std::array<std::int32_t, kChildren> may_stand_over(const shared::BvhNode& node, const Ray& ray) {
+  const auto x = static_cast<float>(ray.origin[0]), y = static_cast<float>(ray.origin[1]);
+  constexpr auto slack = static_cast<float>(2 * kBoxSlack);
+  const auto beside = [](float lo, float hi, float at) {
+    const float pad = slack * (std::abs(lo) + std::abs(hi) + std::abs(at));
+    return static_cast<std::int32_t>(lo - pad > at) | static_cast<std::int32_t>(hi + pad < at);
+  };
+  std::array<std::int32_t, kChildren> out;
+  for (std::size_t slot = 0; slot < kChildren; ++slot)
+    out[slot] = beside(node.lo_x[slot], node.hi_x[slot], x) | beside(node.lo_y[slot], node.hi_y[slot], y) ? 0 : 1;
+  return out;
+}
+
 /// visit(slot) of every child whose box a ray meets before what it has found, nearest box first.
 template <class Visit>
 void visit_children(const shared::BvhNode& node, const Ray& ray, const Found& found, const Visit& visit) {
-  std::array<std::pair<double, std::uint32_t>, std::size(shared::BvhNode{}.child)> met;
+  std::array<std::pair<double, std::uint32_t>, kChildren> met;
   std::size_t count = 0;
+  std::array<std::int32_t, kChildren> may;
+  may.fill(1);
+  if (ray.direction[0] == 0 && ray.direction[1] == 0) may = may_stand_over(node, ray);
   for (std::uint32_t slot = 0; slot < node.count; ++slot) {
+    if (!may[slot]) continue;
     const double enter = enters_box(node, slot, ray, found.t);
     if (enter == std::numeric_limits<double>::infinity()) continue;
     std::size_t at = count++;

@@ -65,7 +65,7 @@ std::array<double, 4> read_between_nodes(const IrradianceGrid& grid, int size, d
 std::array<double, 4> read_map(const IrradianceMap& map, double x, double y, double z);
 
 /// Tilts of the grids and sizes of the map that the planner tries, ascending.
-inline constexpr std::array<std::size_t, 2> kGridTilts = {101, 201};
+inline constexpr std::array<std::size_t, 4> kGridTilts = {61, 101, 141, 201};
 inline constexpr std::array<int, 4> kMapSizes = {129, 257, 513, 1025};
 
 }  // namespace raycube::plan

@@ -108,7 +108,8 @@ double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtu
     return worst_irradiance(checks, mixtures, [&](double x, double y, double z) { return grid.at(x, y, z); });
   };
   IrradianceGrid grid = grid_of(kGridTilts.front());
-  if (error_of(grid) > kGridPart * share) grid = grid_of(kGridTilts.back());
+  for (std::size_t finer = 1; finer < kGridTilts.size() && error_of(grid) > kGridPart * share; ++finer)
+    grid = grid_of(kGridTilts[finer]);
   double worst = 0;
   for (const int size : kMapSizes) {
     worst = worst_irradiance(checks, mixtures,

@@ -8,9 +8,13 @@
 namespace raycube::render {
 
 namespace {
+
+constexpr std::size_t kWritten_bytes = std::size_t{1} << 20;  ///< rows that are written to the device together
+
 std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t most) {
   return std::min(std::max(bytes / row_bytes, kFewestRows), std::max<std::size_t>(2, most));
 }
+
 }  // namespace
 
 std::size_t most_rows(const scene::CompiledScene& scene, const plan::Plan& plan) {
@@ -29,15 +33,25 @@ BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& sce
       keys_(context, capacity_, cl::Access::read_only, "keys of the band table"),
       rows_(context, capacity_, cl::Access::read_only, "rows of the band table") {
   bake(0, 0);
+  write_baked();
   slots_[0] = {0, use_.end()};
   ensure({});
 }
 
 void BandTable::bake(std::uint64_t key, std::uint32_t row) {
-  std::vector<float> values = plan::bake_row(plan_, scene_, key);
+  if (row != first_baked_ + baked_.size() / row_floats_ || baked_.size() * sizeof(float) > kWritten_bytes) {
+    write_baked();
+    first_baked_ = row;
+  }
+  const std::vector<float> values = plan::bake_row(plan_, scene_, key);
+  baked_.insert(baked_.end(), values.begin(), values.end());
   // The path row and the material rows have their own number of channels; a row of the table holds the larger.
-  values.resize(row_floats_, 0.0f);
-  values_.write(values, row * row_floats_);
+  baked_.resize(baked_.size() + row_floats_ - values.size(), 0.0f);
+}
+
+void BandTable::write_baked() {
+  if (!baked_.empty()) values_.write(baked_, first_baked_ * row_floats_);
+  baked_.clear();
 }
 
 void BandTable::ensure(const std::vector<std::uint64_t>& keys) {
@@ -63,6 +77,7 @@ void BandTable::ensure(const std::vector<std::uint64_t>& keys) {
     changed = true;
   }
   if (!changed) return;
+  write_baked();
   std::vector<std::uint64_t> sorted_keys;
   std::vector<std::uint32_t> rows;
   for (const auto& [key, slot] : slots_) {

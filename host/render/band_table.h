@@ -41,10 +41,14 @@ class BandTable {
     std::list<std::uint64_t>::iterator use;
   };
   void bake(std::uint64_t key, std::uint32_t row);
+  /// Hands the rows that are baked to the device.
+  void write_baked();
 
   const scene::CompiledScene& scene_;
   const plan::Plan& plan_;
   std::size_t row_floats_, channel_floats_, capacity_;
+  std::vector<float> baked_;       ///< rows that follow one another, not yet on the device
+  std::uint32_t first_baked_ = 0;  ///< row of the first of them
   cl::Buffer<float> values_;
   cl::Buffer<std::uint64_t> keys_;
   cl::Buffer<std::uint32_t> rows_;

@@ -157,8 +157,9 @@ struct Renderer::State : SceneOnDevice {
 
   RenderSetup setup(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                     std::uint64_t seed) const {
-    return {context, scene, buffers, instrument,
-            plan,    sun,   seed,    make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
+    return {context, scene,      objects,
+            buffers, instrument, plan,
+            sun,     seed,       make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
   }
   std::size_t row_capacity(const StageShape& shape) const { return row_capacity_of(shape, options.row_capacity); }
 };
@@ -216,6 +217,7 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
 std::size_t Renderer::memory_bytes() const { return state_->options.memory_bytes; }
+sensors::KnownObjects& Renderer::objects() { return state_->objects; }
 std::string Renderer::device_name() const { return state_->context.device().name(); }
 DeviceTuning Renderer::tuning() const { return state_->used_tuning(); }
 cl::Context& Renderer::context() { return state_->context; }

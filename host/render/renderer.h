@@ -21,6 +21,7 @@
 #include "host/render/device_tuning.h"
 #include "host/render/replicates.h"
 #include "host/render/types.h"
+#include "host/sensors/scene_objects.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::render {
@@ -76,6 +77,8 @@ class Renderer {
 
   /// What the options grant for tiles.
   std::size_t memory_bytes() const;
+  /// Small objects of the scene, known to whoever looks at it first.
+  sensors::KnownObjects& objects();
   std::string device_name() const;
   /// What launches use now.
   DeviceTuning tuning() const;

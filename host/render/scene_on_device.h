@@ -9,6 +9,7 @@
 #include "host/render/scene_buffers.h"
 #include "host/render/tile_shape.h"
 #include "host/render/types.h"
+#include "host/sensors/scene_objects.h"
 
 namespace raycube::render {
 
@@ -18,7 +19,8 @@ struct SceneOnDevice {
         options(options_),
         context(pick_device(options_)),
         tuning(tuning_for(options_, context.device().info())),
-        buffers(context, scene_, options_.page_bytes) {
+        buffers(context, scene_, options_.page_bytes),
+        objects(scene_) {
     context.set_launch_sizes(tuning.sizes);
   }
 
@@ -35,6 +37,7 @@ struct SceneOnDevice {
   cl::Context context;
   DeviceTuning tuning;
   SceneBuffers buffers;
+  mutable sensors::KnownObjects objects;
 };
 
 }  // namespace raycube::render

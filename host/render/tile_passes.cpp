@@ -54,7 +54,7 @@ std::size_t fine_group_bytes(const StageShape& shape, std::size_t capacity, bool
 /// The instrument's small objects, or nothing where it does not ask for them or the scene has none.
 std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& setup) {
   if (setup.instrument.small_objects != scene::SmallObjects::on) return {};
-  sensors::SmallObjectPixels small(setup.scene, setup.instrument);
+  sensors::SmallObjectPixels small(setup.objects, setup.instrument);
   if (small.empty()) return {};
   return small;
 }
@@ -130,8 +130,9 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
   if (!coarse_instrument_) return;
   const std::size_t groups =
       static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
-  RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_,
-                     setup.plan,    setup.sun,   setup.seed,    shape_of(*coarse_instrument_, setup.plan)};
+  RenderSetup coarse{setup.context, setup.scene,         setup.objects,
+                     setup.buffers, *coarse_instrument_, setup.plan,
+                     setup.sun,     setup.seed,          shape_of(*coarse_instrument_, setup.plan)};
   coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity,
                   setup.instrument.standard_error != scene::StandardError::off);
   coarse.shape.sky_shadows = false;
@@ -256,8 +257,9 @@ TilePasses::Fine& TilePasses::fine(int samples) {
   std::unique_ptr<Fine>& at = fine_[samples];
   if (at) return *at;
   auto instrument = std::make_unique<scene::Instrument>(sensors::with_fine_samples(setup_.instrument, samples));
-  RenderSetup setup{setup_.context, setup_.scene, setup_.buffers, *instrument,
-                    setup_.plan,    setup_.sun,   setup_.seed,    shape_of(*instrument, setup_.plan)};
+  RenderSetup setup{setup_.context, setup_.scene, setup_.objects,
+                    setup_.buffers, *instrument,  setup_.plan,
+                    setup_.sun,     setup_.seed,  shape_of(*instrument, setup_.plan)};
   const bool errors = setup_.instrument.standard_error != scene::StandardError::off;
   const std::size_t capacity = fine_capacity(setup.shape, row_capacity_);
   const std::size_t group_bytes = fine_group_bytes(setup.shape, capacity, errors);

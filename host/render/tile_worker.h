@@ -17,6 +17,7 @@ namespace raycube::render {
 struct RenderSetup {
   const cl::Context& context;
   const scene::CompiledScene& scene;
+  sensors::KnownObjects& objects;
   const SceneBuffers& buffers;
   const scene::Instrument& instrument;
   const plan::Plan& plan;

@@ -59,7 +59,10 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   double kernels_processor_s = 0;
   services.log.set_status(instrument.name + ": planning nodes and components");
   // Which of the scene's objects are small needs nothing of the plan.
-  auto small = base::beside(services.threads, [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
+  auto small = base::beside(services.threads, [&] {
+    return planning.renderer ? sensors::SmallObjectPixels(planning.renderer->objects(), instrument)
+                             : sensors::SmallObjectPixels(simulation.scene, instrument);
+  });
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   services.log.set_status(instrument.name + ": planning samples and sky directions");
   job.plan.baked = std::make_shared<plan::BakedRows>();

@@ -4,6 +4,7 @@
 #include <bit>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -101,8 +102,7 @@ struct ConnectedScratch {
   FirstAtCorner first;
 };
 
-Lots connected(const scene::CompiledScene& scene, const std::vector<std::uint32_t>& triangles,
-               ConnectedScratch& scratch) {
+Lots connected(const scene::CompiledScene& scene, std::span<const std::uint32_t> triangles, ConnectedScratch& scratch) {
   auto& [parent, lot, next, first] = scratch;
   parent.resize(triangles.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -156,10 +156,13 @@ class Collector {
       const std::uint32_t mesh = placement.mesh;
       const bool again = times[mesh] > 1;
       if (add_whole(placement, again ? kOfMesh | mesh : first_kind(mesh))) continue;
+      if (!again) {
+        add_once(placement);
+        continue;
+      }
       auto known = parts_.find(mesh);
       if (known == parts_.end()) known = parts_.emplace(mesh, surfaces_of(mesh)).first;
       for (SurfaceParts& surface : known->second) add_parts(placement, surface);
-      if (!again) parts_.erase(known);
     }
   }
 
@@ -238,38 +241,88 @@ class Collector {
     return true;
   }
 
-  std::vector<SurfaceParts> surfaces_of(std::uint32_t mesh) {
-    std::map<std::uint32_t, std::vector<std::uint32_t>> of_surface;
-    std::uint32_t last = RC_NONE;
-    std::vector<std::uint32_t>* list = nullptr;
-    for (const std::uint32_t primitive : triangles_.of(mesh)) {
-      const std::uint32_t surface = scene::surface_of(scene_, primitive);
-      if (surface != last) list = &of_surface[surface], last = surface;
-      if (list->size() <= kMostTriangles) list->push_back(primitive);
+  /// A mesh's triangles, surface by surface: those with more than kMostTriangles are only counted.
+  struct BySurface {
+    struct Surface {
+      std::uint32_t number = 0;
+      std::size_t first = 0, count = 0;  ///< in `triangles`
+    };
+    std::vector<Surface> surfaces;  ///< ascending
+    std::vector<std::uint32_t> triangles;
+    std::span<const std::uint32_t> of(const Surface& surface) const {
+      return std::span(triangles).subspan(surface.first, surface.count);
     }
-    std::vector<SurfaceParts> out;
-    for (const auto& [surface, triangles] : of_surface) {
-      base::throw_if_interrupted();
-      const std::uint64_t kind = kind_of(surface);
-      if (triangles.size() > kMostTriangles) {
-        unread_.insert(kind);
-        continue;
-      }
-      if (count_[kind] > kMostOfAKind) continue;  // a texture already
-      SurfaceParts& of = out.emplace_back();
-      of.kind = kind;
-      Lots lots = connected(scene_, triangles, scratch_);
-      of.triangles = std::move(lots.triangles);
-      std::size_t next = 0;
-      for (const std::size_t end : lots.end) {
-        Part& part = of.parts.emplace_back();
-        part.first = next, part.count = end - next;
-        for (; next < end; ++next)
-          for (const dvec3& p : local_triangle(scene_, of.triangles[next])) part.local.add(p);
-        of.narrowest_m = std::min(of.narrowest_m, part.local.width());
-      }
+  };
+  BySurface triangles_by_surface(std::uint32_t mesh) const {
+    const auto all = triangles_.of(mesh), number = triangles_.surfaces_of(mesh);
+    std::map<std::uint32_t, std::size_t> count;
+    std::size_t* same = nullptr;
+    for (std::size_t t = 0; t < all.size(); ++t) {
+      if (t == 0 || number[t] != number[t - 1]) same = &count[number[t]];
+      ++*same;
+    }
+    BySurface out;
+    std::map<std::uint32_t, std::size_t> next;
+    std::size_t end = 0;
+    for (const auto& [surface, triangles] : count) {
+      out.surfaces.push_back({surface, end, triangles});
+      if (triangles <= kMostTriangles) next[surface] = end, end += triangles;
+    }
+    out.triangles.resize(end);
+    auto at = next.end();
+    for (std::size_t t = 0; t < all.size(); ++t) {
+      if (t == 0 || number[t] != number[t - 1]) at = next.find(number[t]);
+      if (at != next.end()) out.triangles[at->second++] = all[t];
     }
     return out;
+  }
+
+  /// No parts where the surface is a texture already, or has too many triangles to look.
+  SurfaceParts parts_of(const BySurface& mesh, const BySurface::Surface& surface) {
+    base::throw_if_interrupted();
+    SurfaceParts of;
+    of.kind = kind_of(surface.number);
+    if (surface.count > kMostTriangles) unread_.insert(of.kind);
+    if (surface.count > kMostTriangles || count_[of.kind] > kMostOfAKind) return of;
+    Lots lots = connected(scene_, mesh.of(surface), scratch_);
+    of.triangles = std::move(lots.triangles);
+    std::size_t next = 0;
+    for (const std::size_t end : lots.end) {
+      Part& part = of.parts.emplace_back();
+      part.first = next, part.count = end - next;
+      for (; next < end; ++next)
+        for (const dvec3& p : local_triangle(scene_, of.triangles[next])) part.local.add(p);
+      of.narrowest_m = std::min(of.narrowest_m, part.local.width());
+    }
+    return of;
+  }
+
+  /// Parts of a mesh that is placed again.
+  std::vector<SurfaceParts> surfaces_of(std::uint32_t mesh) {
+    std::vector<SurfaceParts> out;
+    const BySurface by_surface = triangles_by_surface(mesh);
+    for (const auto& surface : by_surface.surfaces) out.push_back(parts_of(by_surface, surface));
+    return out;
+  }
+
+  /// A mesh that is placed once. Its small surfaces come first: the mixtures of a class map's edges soon say that a kind
+  /// is a texture, and its large surfaces need no look. Objects are filed surface by surface all the same.
+  void add_once(const scene::Placement& placement) {
+    const BySurface by_surface = triangles_by_surface(placement.mesh);
+    std::vector<BySurface::Surface> order = by_surface.surfaces;
+    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.count < b.count; });
+    const std::size_t before = objects_.size();
+    std::map<std::uint32_t, std::vector<SceneObject>> found;
+    for (const auto& surface : order) {
+      SurfaceParts parts = parts_of(by_surface, surface);
+      add_parts(placement, parts);
+      if (objects_.size() == before) continue;
+      found[surface.number] = {std::make_move_iterator(objects_.begin() + static_cast<std::ptrdiff_t>(before)),
+                               std::make_move_iterator(objects_.end())};
+      objects_.resize(before);
+    }
+    for (auto& [surface, objects] : found)
+      objects_.insert(objects_.end(), std::make_move_iterator(objects.begin()), std::make_move_iterator(objects.end()));
   }
 
   /// The least a placement scales by, m per m of the mesh's frame.
@@ -308,6 +361,13 @@ SceneObjects small_scene_objects(const scene::CompiledScene& scene, double wides
   Collector collector(scene, widest_m);
   collector.collect();
   return collector.finish();
+}
+
+std::shared_ptr<const SceneObjects> KnownObjects::small(double widest_m) {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<const SceneObjects>& known = small_[widest_m];
+  if (!known) known = std::make_shared<const SceneObjects>(small_scene_objects(scene_, widest_m));
+  return known;
 }
 
 std::array<dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_t instance, std::uint32_t primitive) {

@@ -11,6 +11,9 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -38,6 +41,21 @@ struct SceneObjects {
 
 /// Every object whose box is at most `widest_m` wide in two of its three directions.
 SceneObjects small_scene_objects(const scene::CompiledScene& scene, double widest_m);
+
+/// A scene's objects, looked for once for each width: what the plan found the render does not look for again. From any
+/// thread.
+class KnownObjects {
+ public:
+  /// Keeps a reference.
+  explicit KnownObjects(const scene::CompiledScene& scene) : scene_(scene) {}
+  const scene::CompiledScene& scene() const { return scene_; }
+  std::shared_ptr<const SceneObjects> small(double widest_m);
+
+ private:
+  const scene::CompiledScene& scene_;
+  std::mutex mutex_;
+  std::map<double, std::shared_ptr<const SceneObjects>> small_;
+};
 
 /// Corners of a primitive of a placed tree, scene frame.
 std::array<glm::dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_t instance,

@@ -124,15 +124,15 @@ scene::Instrument with_fine_samples(const scene::Instrument& instrument, int sam
 }
 
 struct SmallObjectPixels::State {
-  State(const scene::CompiledScene& scene_, const scene::Instrument& given) : scene(scene_), instrument(given) {
+  State(KnownObjects& known, const scene::Instrument& given) : scene(known.scene()), instrument(given) {
     instrument.motion = pose_moves(given) ? scene::PoseMotion::moving : scene::PoseMotion::held;
     half_px = 0.5 * std::max(1.0, instrument.psf_support_px);
     area = 4 * half_px * half_px;
     if (scene.instances.empty()) return;
     const double widest = kWidest_px * widest_pixel_m();
-    objects = small_scene_objects(scene, widest);
+    known_objects = known.small(widest);
     cell_m = std::max(widest, 1e-3);
-    for (std::uint32_t i = 0; i < objects.objects.size(); ++i) file(i);
+    for (std::uint32_t i = 0; i < objects().size(); ++i) file(i);
   }
 
   /// Widest pixel at a few places of the image, seen from where it lies lowest.
@@ -154,7 +154,7 @@ struct SmallObjectPixels::State {
   std::int64_t cell_of(double at_m) const { return static_cast<std::int64_t>(std::floor(at_m / cell_m)); }
 
   void file(std::uint32_t i) {
-    const SceneObject& object = objects.objects[i];
+    const SceneObject& object = objects()[i];
     low_m = std::min(low_m, object.lo_m.z), high_m = std::max(high_m, object.hi_m.z);
     for (std::int64_t y = cell_of(object.lo_m.y); y <= cell_of(object.hi_m.y); ++y)
       for (std::int64_t x = cell_of(object.lo_m.x); x <= cell_of(object.hi_m.x); ++x) cells[cell(x, y)].push_back(i);
@@ -174,7 +174,7 @@ struct SmallObjectPixels::State {
     std::vector<std::uint32_t> found;
     const double cells_across = ((hi.x - lo.x) / cell_m + 1) * ((hi.y - lo.y) / cell_m + 1);
     if (cells_across > static_cast<double>(cells.size())) {  // a view along the ground: every object's turn
-      for (std::uint32_t i = 0; i < objects.objects.size(); ++i) found.push_back(i);
+      for (std::uint32_t i = 0; i < objects().size(); ++i) found.push_back(i);
       return found;
     }
     for (std::int64_t y = cell_of(lo.y); y <= cell_of(hi.y); ++y)
@@ -207,21 +207,27 @@ struct SmallObjectPixels::State {
     return std::min(box, closed ? 0.5 * sum : sum);
   }
 
+  const std::vector<SceneObject>& objects() const { return known_objects->objects; }
+
   const scene::CompiledScene& scene;
   scene::Instrument instrument;    ///< with automatic motion settled
   double half_px = 0.5, area = 1;  ///< of the square that the samples cover, pixels
-  SceneObjects objects;
+  std::shared_ptr<const SceneObjects> known_objects = std::make_shared<const SceneObjects>();
   double cell_m = 1, low_m = std::numeric_limits<double>::infinity(), high_m = -std::numeric_limits<double>::infinity();
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
 };
 
-SmallObjectPixels::SmallObjectPixels(const scene::CompiledScene& scene, const scene::Instrument& instrument)
-    : state_(std::make_unique<State>(scene, instrument)) {}
+SmallObjectPixels::SmallObjectPixels(const scene::CompiledScene& scene, const scene::Instrument& instrument) {
+  KnownObjects known(scene);
+  state_ = std::make_unique<State>(known, instrument);
+}
+SmallObjectPixels::SmallObjectPixels(KnownObjects& known, const scene::Instrument& instrument)
+    : state_(std::make_unique<State>(known, instrument)) {}
 SmallObjectPixels::~SmallObjectPixels() = default;
 SmallObjectPixels::SmallObjectPixels(SmallObjectPixels&&) noexcept = default;
 
 std::string SmallObjectPixels::name(std::uint32_t object) const {
-  return object_name(state_->scene, state_->objects.objects[object]);
+  return object_name(state_->scene, state_->objects()[object]);
 }
 
 void SmallObjectPixels::set_samples(const scene::Instrument& instrument) {
@@ -232,8 +238,8 @@ void SmallObjectPixels::set_samples(const scene::Instrument& instrument) {
   own.first_samples = instrument.first_samples;
 }
 
-bool SmallObjectPixels::empty() const { return state_->objects.objects.empty(); }
-const SceneObjects& SmallObjectPixels::objects() const { return state_->objects; }
+bool SmallObjectPixels::empty() const { return state_->objects().empty(); }
+const SceneObjects& SmallObjectPixels::objects() const { return *state_->known_objects; }
 
 std::vector<ObjectInPixel> SmallObjectPixels::in_group(const shared::RayGroup& group, int used) const {
   const State& s = *state_;
@@ -242,7 +248,7 @@ std::vector<ObjectInPixel> SmallObjectPixels::in_group(const shared::RayGroup& g
   const GroupPlane plane(group);
   const double half_line = 0.5 * (pixels_per_group(s.instrument) - 1);
   for (const std::uint32_t i : s.near(plane, used)) {
-    const SceneObject& object = s.objects.objects[i];
+    const SceneObject& object = s.objects()[i];
     std::vector<dvec2> corners(8);
     dvec2 lo{std::numeric_limits<double>::infinity()}, hi{-lo};
     bool ahead = true;
@@ -270,7 +276,7 @@ void SmallObjectPixels::visit_groups(const LookAtGroup& look) const {
   const State& s = *state_;
   if (empty()) return;
   const bool moving = s.instrument.motion == scene::PoseMotion::moving;
-  GroupFinder(s.instrument, s.half_px + kEdge_px, kWidest_px).visit(s.objects.objects, [&](int line, int group) {
+  GroupFinder(s.instrument, s.half_px + kEdge_px, kWidest_px).visit(s.objects(), [&](int line, int group) {
     look(line, group, make_ray_group(s.instrument, s.scene, line, group, moving));
   });
 }
@@ -282,7 +288,7 @@ std::vector<double> SmallObjectPixels::covers(std::span<const ObjectInPixel> see
     double share() const { return std::min(1.0, std::max(largest, sum)); }
   };
   std::map<std::pair<int, std::uint64_t>, Cover> of_kind;
-  const auto kind = [&](const ObjectInPixel& one) { return std::pair{one.lane, s.objects.objects[one.object].kind}; };
+  const auto kind = [&](const ObjectInPixel& one) { return std::pair{one.lane, s.objects()[one.object].kind}; };
   for (const ObjectInPixel& one : seen) {
     Cover& cover = of_kind[kind(one)];
     cover.largest = std::max(cover.largest, one.share), cover.sum += one.share * one.part;

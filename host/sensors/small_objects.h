@@ -59,6 +59,8 @@ class SmallObjectPixels {
  public:
   /// Keeps a reference to the scene. The instrument's samples are the ordinary ones.
   SmallObjectPixels(const scene::CompiledScene& scene, const scene::Instrument& instrument);
+  /// The same of the scene whose objects these are.
+  SmallObjectPixels(KnownObjects& known, const scene::Instrument& instrument);
   ~SmallObjectPixels();
   SmallObjectPixels(SmallObjectPixels&&) noexcept;
 
