@@ -305,8 +305,8 @@ class Collector {
     return out;
   }
 
-  /// A mesh that is placed once. Its small surfaces come first: the mixtures of a class map's edges soon say that a kind
-  /// is a texture, and its large surfaces need no look. Objects are filed surface by surface all the same.
+  /// A mesh that is placed once. Its small surfaces come first: the mixtures of a class map's edges soon say that a
+  /// kind is a texture, and its large surfaces need no look. Objects are filed surface by surface all the same.
   void add_once(const scene::Placement& placement) {
     const BySurface by_surface = triangles_by_surface(placement.mesh);
     std::vector<BySurface::Surface> order = by_surface.surfaces;
