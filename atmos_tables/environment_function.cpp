@@ -62,11 +62,27 @@ double environment_function(Scatterer scatterer, double radius_km, double height
   return f * (a0 * l + b0 * l * l + 1 + f * (a1 * l + b1 * l * l) + f * f * ((-a1 - a0) * l + (-b1 - b0) * l * l));
 }
 
+/// By the Illinois method (Dowell & Jarratt, BIT 11, 1971) in the logarithm of the radius, until F is right to 1e-13.
 double environment_radius_km(Scatterer scatterer, double share, double height_km, double cos_view) {
-  double low = std::log(1e-7), high = std::log(1e3);
-  for (int step = 0; step < 60; ++step) {
-    const double middle = 0.5 * (low + high);
-    (environment_function(scatterer, std::exp(middle), height_km, cos_view) < share ? low : high) = middle;
+  const auto beyond = [&](double log_km) {
+    return environment_function(scatterer, std::exp(log_km), height_km, cos_view) - share;
+  };
+  double low = std::log(1e-7), high = std::log(1e3), below = beyond(low), above = beyond(high);
+  if (below >= 0) return std::exp(low);
+  if (above <= 0) return std::exp(high);
+  for (int step = 0, side = 0; step < 200 && high - low > 1e-12; ++step) {
+    const double at = (low * above - high * below) / (above - below), value = beyond(at);
+    if (value == 0 || at <= low || at >= high) return std::exp(at);
+    if (value < 0) {
+      low = at, below = value;
+      if (side < 0) above /= 2;
+      side = -1;
+    } else {
+      high = at, above = value;
+      if (side > 0) below /= 2;
+      side = 1;
+    }
+    if (std::abs(value) < 1e-13) return std::exp(at);
   }
   return std::exp(high);
 }
