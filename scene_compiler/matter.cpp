@@ -51,18 +51,38 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
       const Material& material = scene.materials[surface.material[i] - 1];
       out[first] = lobe_of(material.front, 1);
       if (material.gloss.number != RC_SHAPE_none) out[first + 1 + i] = lobe_of(material.gloss, surface.fraction[i]);
+      if (lets_light_through(material))
+        out[first + RC_LOBE_BEHIND] = lobe_of(material.behind, out[first + RC_LOBE_BEHIND].share + surface.fraction[i]);
     }
   }
   return out;
 }
 
 CameraMatter camera_matter(const CompiledScene& scene) {
-  return {first_shaped(scene) != nullptr, 1, material_count(scene)};
+  const auto used = used_materials(scene);
+  const bool through =
+      std::any_of(used.begin(), used.end(), [&](std::uint32_t m) { return lets_light_through(scene.materials[m]); });
+  return {first_shaped(scene) != nullptr, through ? 2 : 1, material_count(scene)};
+}
+
+bool lets_light_through(const Material& material) {
+  return material.behind.number == RC_SHAPE_leaf && !material.transmittance.value.empty();
+}
+
+bool lets_light_through(const CompiledScene& scene, std::uint32_t primitive) {
+  bool through = false;
+  for_each_material(matter_of(scene, primitive), [&](std::size_t material, float) {
+    through = through || lets_light_through(scene.materials[material]);
+  });
+  return through;
 }
 
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
   std::vector<std::uint32_t> out;
-  for (const auto material : used_materials(scene)) out.push_back(reflectance_curve(scene, material));
+  const auto used = used_materials(scene);
+  for (const auto material : used) out.push_back(reflectance_curve(scene, material));
+  if (camera_matter(scene).sides > 1)
+    for (const auto material : used) out.push_back(transmittance_curve(scene, material));
   return out;
 }
 

@@ -41,6 +41,12 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene);
 /// The first used material that does not reflect by Lambert's law; null: none.
 const Material* first_shaped(const CompiledScene& scene);
 
+/// Whether cameras see light that falls onto the other side of a material: a leaf. What goes straight on through a
+/// plate is seen by pulses alone; cameras take it for opaque.
+bool lets_light_through(const Material& material);
+/// The same of any of a primitive's materials.
+bool lets_light_through(const CompiledScene& scene, std::uint32_t primitive);
+
 /// What the matter of a scene asks of a camera's kernels.
 struct CameraMatter {
   bool shaped = false;          ///< some used material does not reflect by Lambert's law (kernels/materials)
@@ -49,7 +55,8 @@ struct CameraMatter {
 };
 CameraMatter camera_matter(const CompiledScene& scene);
 
-/// Curves by which cameras see the used materials, ascending.
+/// Curves by which cameras see the used materials, ascending: reflectances, and where any of them lets light through
+/// the transmittances of all, since they may share surfaces. Those of opaque ones are empty.
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene);
 
 /// Curves are numbered from 1, see kernels/shared/product_key.h.
@@ -58,6 +65,10 @@ inline std::uint32_t curve_count(const CompiledScene& scene) { return RC_CURVE_R
 /// Id of a material's reflectance.
 inline std::uint32_t reflectance_curve(const CompiledScene& scene, std::size_t material) {
   return rc_curve_id(RC_CURVE_REFLECTANCE, static_cast<std::uint32_t>(material), material_count(scene));
+}
+
+inline std::uint32_t transmittance_curve(const CompiledScene& scene, std::size_t material) {
+  return rc_curve_id(RC_CURVE_TRANSMITTANCE, static_cast<std::uint32_t>(material), material_count(scene));
 }
 
 /// Index of the material that owns a curve, 1 <= curve <= curve_count.

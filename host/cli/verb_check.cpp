@@ -93,6 +93,8 @@ std::vector<std::string> not_looked_at(const run::CameraJob& job) {
                     "warning above names them");
   if (job.instrument->adaptive())
     lines.push_back("which pixels the adaptive first pass settles: here all have all samples");
+  if (job.plan.bounces.levels > 0)
+    lines.push_back("light between surfaces: both sides are compared without it");
   return lines;
 }
 

@@ -102,12 +102,13 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   std::vector<float> out;
   if (plan.baked && plan.baked->read(key, out)) return out;
   const std::size_t bands = plan.bands.size(), padded = RC_PADDED(bands);
-  const bool around = (key & kEnvironmentKey) != 0;
-  const std::uint32_t curves = around ? 0 : rc_key_count(key);
+  const bool skeleton = (key & kSkeletonKey) == kSkeletonKey, around = !skeleton && (key & kEnvironmentKey) != 0;
+  const std::uint32_t curves = around || skeleton ? 0 : rc_key_count(key);
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
                                   : std::vector<std::vector<double>>{};
-  const auto& spectra = around ? environment : curves == 0 ? plan.path_spectrum : plan.source_spectrum;
-  const std::vector<double> scattered = product_of_curves(plan, scene, curves > 0 ? key : 0);
+  const auto& spectra = around ? environment : curves > 0 || skeleton ? plan.source_spectrum : plan.path_spectrum;
+  const std::vector<double> scattered =
+      skeleton ? plan.bounces.basis[key ^ kSkeletonKey] : product_of_curves(plan, scene, curves > 0 ? key : 0);
   // What matter emits goes by 1 - reflectance - transmittance: each of its two keys says its part.
   const double black =
       curves > 0 && rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == RC_CURVE_REFLECTANCE ? 1 : 0;
@@ -116,7 +117,9 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
     for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
   out.assign(spectra.size() * padded, 0.0f);
-  const std::size_t all = spectra.size(), lit = curves > 0 ? std::min(first_emission, all) : all;
+  const auto solar =
+      static_cast<std::size_t>((plan.sun_sources + plan.sky_components) * plan.height.count * plan.view.count);
+  const std::size_t all = skeleton ? solar : spectra.size(), lit = curves > 0 ? std::min(first_emission, all) : all;
   std::vector<double> weight;
   for (std::size_t b = 0; b < bands; ++b) {
     const auto& band = plan.bands[b];

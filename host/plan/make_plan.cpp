@@ -11,6 +11,7 @@
 #include "host/base/units.h"
 #include "host/plan/adjacency.h"
 #include "host/plan/band_space.h"
+#include "host/plan/bounces.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/plan.h"
@@ -464,6 +465,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   compare_with_flux_row(plan, setting, light.sky);
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);
+  plan_bounces(plan, simulation.scene, simulation.bounces, simulation.sky_directions, setting.share);
   return plan;
 }
 

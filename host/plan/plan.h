@@ -140,6 +140,22 @@ struct SkyFlux {
   }
 };
 
+/// Light that goes on from surface to surface (docs/light.md). Paths carry what a viewer would see at some wavelengths
+/// of the grid, the skeleton; what lies between them is `basis` times that, whatever the geometry.
+struct Bounces {
+  int levels = 0;                             ///< surfaces after the first; 0: light is scattered once
+  int paths = 0;                              ///< of a pixel that sends no rays into the sky; else as many as those
+  std::vector<std::size_t> skeleton;          ///< indices into the grid
+  std::vector<std::vector<double>> basis;     ///< [skeleton][grid]
+  double error = 0;                           ///< of products of curves that the fit has not seen, worst band, relative
+  double amplified = 1;                       ///< largest root of a sum of squares over the skeleton, of any wavelength
+  std::vector<float> curve;                   ///< [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h
+  std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T
+};
+
+/// Keys of the skeleton's rows: this and its wavelength's number. Of no product, and of no environment.
+inline constexpr std::uint64_t kSkeletonKey = std::uint64_t{3} << 62;
+
 /// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v. Sources, in order:
 /// the direct sun (scalar: max(0, n.s) times visibility) unless it is left out as too dark; the sky components (scalar:
 /// irradiance of the component as the pixel's rays found it); thermal components likewise; temperature
@@ -174,6 +190,7 @@ struct Plan {
   SkyBasis sky_basis;  ///< the components' angular maps: of the rays' light and of the map
   SkyRays sky;         ///< none without components
   IrradianceMap irradiance;
+  Bounces bounces;
   std::string
       refusal;  ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
   std::vector<std::string> notices;  ///< what the user should know though it is no error
@@ -187,6 +204,7 @@ struct Plan {
   int sources() const { return first_emission() + thermal.nodes(); }
   int source_channels() const { return sources() * height.count * view.count; }
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
+  int paths() const { return bounces.levels == 0 ? 0 : sky.rays > 0 ? sky.rays : bounces.paths; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
 };
 
@@ -207,8 +225,9 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                const atmos::RenderTable& table, const ViewBounds& view, int threads = 0);
 
 /// Bakes one term row in double: E[channel][band] for a product key (kernels/shared/product_key.h; 0 = path) or
-/// kEnvironmentKey | node, stored as float, bands padded with zeros to a multiple of 16: result[channel * bands_padded
-/// + band]. Emission goes with the key of one reflectance. Error(input) when a curve does not cover the grid, which
+/// kEnvironmentKey | node or kSkeletonKey | wavelength (of whose channels sun and solar sky are filled), stored as
+/// float, bands padded with zeros to a multiple of 16: result[channel * bands_padded + band]. Emission goes with
+/// the key of one reflectance. Error(input) when a curve does not cover the grid, which
 /// cannot happen to the reflectance of a used material. Read from plan.baked where that has it.
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key);
 

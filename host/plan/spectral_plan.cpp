@@ -92,7 +92,9 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
   for (const auto curve : scene::seen_curves(scene)) {
     const auto& material = scene.materials[scene::material_of_curve(scene, curve)];
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
-    if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
+    const bool reflectance = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_REFLECTANCE;
+    if (x.empty() && reflectance)
+      problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
       check_range(
           problems, where, instrument.bands, x.front(), x.back(), "the curve of material '" + material.name + "'",

@@ -29,16 +29,20 @@ void judge(ThermalUse& use, const Bands& emitted, const Bands& typical, const st
   }
 }
 
-/// Band means of (1 - reflectance) B T_view.
+/// Band means of (1 - reflectance - transmittance) B T_view.
 Bands emitted_bands(const scene::Material& material, const Spectrum& up_on_grid, const SpectralPlan& spectral) {
   const Spectrum planck = planck_spectrum(spectral.wavelength_um, material.temperature_K);
-  const Spectrum reflectance = sample_reflectance(material, spectral.wavelength_um);
+  Spectrum returned = sample_reflectance(material, spectral.wavelength_um);
+  if (scene::lets_light_through(material)) {
+    const Spectrum through = sample_curve(material, material.transmittance, spectral.wavelength_um);
+    for (std::size_t i = 0; i < returned.size(); ++i) returned[i] += through[i];
+  }
   Bands out;
   for (const BandQuadrature& band : spectral.bands) {
     double sum = 0;
     for (std::size_t i = 0; i < band.weight.size(); ++i) {
       const std::size_t at = band.first + i;
-      sum += band.weight[i] * (1 - reflectance[at]) * planck[at] * up_on_grid[at];
+      sum += band.weight[i] * (1 - returned[at]) * planck[at] * up_on_grid[at];
     }
     out.push_back(sum);
   }

@@ -12,7 +12,8 @@ namespace raycube::planner {
 struct PixelCounts {
   double samples = 1;  ///< rays from the camera
   double sun_rays = 0, sky_rays = 0;
-  double terms = 0;  ///< of the band integration
+  double path_rays = 0;  ///< of light between surfaces: from each surface of a path one on and one to the sun
+  double terms = 0;      ///< of the band integration
   double bands = 0;
 };
 
@@ -21,9 +22,10 @@ struct PixelCounts {
 /// takes: a sky ray 2.3 times a sample with its sun ray (0.116 and 0.040 us in the park, 0.08 and 0.065 on the peer
 /// scene, 2026-11-25; all of them over their number are 0.143 and 0.076, 0.126 and 0.099).
 struct CostModel {
-  double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.15e-7, term_band_s = 1.5e-10;
+  double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.15e-7, path_ray_s = 4.0e-7, term_band_s = 1.5e-10;
   double seconds(const PixelCounts& c) const {
-    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.terms * c.bands * term_band_s;
+    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.path_rays * path_ray_s +
+           c.terms * c.bands * term_band_s;
   }
   /// What a pixel takes whatever its settings: a walk for its group, its place in files. No choice depends on it; what
   /// is said of a whole render does.

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "kernels/sampling/sampler.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::reference {
 
@@ -137,6 +138,21 @@ void ReferenceScene::place(Sample& sample, const plan::Plan& plan) const {
 
 void ReferenceScene::place(SampledPixel& pixel, std::size_t sample, const plan::Plan& plan) const {
   place(pixel.samples[sample], plan);
+  if (pixel.far_sides.empty()) return;
+  const Sample& near = pixel.samples[sample];
+  Sample& far = pixel.far_sides[sample];
+  far = near;
+  far.side = 1;
+  far.sun_visible = false;
+  if (near.hit.miss()) return;
+  if (!scene::lets_light_through(compiled, near.hit.primitive)) {
+    far.hit = {};
+    return;
+  }
+  const glm::dvec3 sun = to_double(plan.sun_direction);
+  far.normal = -near.normal;
+  far.cos_sun = -near.cos_sun;
+  far.sun_visible = plan.sun_up && far.cos_sun > 0 && sees(far, sun);
 }
 
 SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, const plan::Plan& plan,
@@ -151,6 +167,7 @@ SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, c
                                               ", sample " + std::to_string(address.sample) +
                                               ": the pixel looks up or along the horizon; point the instrument down");
   const std::vector<double> weights = sample_weights(instrument);
+  if (plan.matter.sides > 1) pixel.far_sides.resize(weights.size());
   for (std::size_t s = 0; s < weights.size(); ++s) {
     Sample sample;
     sample.ray = pixel_ray(instrument, seed, address, static_cast<int>(s));

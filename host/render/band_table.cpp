@@ -29,9 +29,10 @@ BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& sce
       channel_floats_(shape.bands_padded),
       capacity_(rows_that_fit(std::min<std::size_t>(bytes, context.device().info().max_alloc_bytes),
                               row_floats_ * sizeof(float), most_rows(scene, plan))),
-      values_(context, capacity_ * row_floats_, cl::Access::read_only, "band table"),
+      values_(context, (capacity_ + plan.bounces.skeleton.size()) * row_floats_, cl::Access::read_only, "band table"),
       keys_(context, capacity_, cl::Access::read_only, "keys of the band table"),
       rows_(context, capacity_, cl::Access::read_only, "rows of the band table") {
+  for (std::uint32_t m = 0; m < plan.bounces.skeleton.size(); ++m) bake(plan::kSkeletonKey | m, skeleton_row() + m);
   bake(0, 0);
   write_baked();
   slots_[0] = {0, use_.end()};

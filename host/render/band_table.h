@@ -24,7 +24,9 @@ class BandTable {
   BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan,
             const StageShape& shape, std::size_t bytes);
 
-  std::size_t capacity() const { return capacity_; }
+  std::size_t capacity() const { return capacity_; }  ///< without the skeleton's
+  /// First of the rows of light between surfaces, one for each skeleton wavelength; they never leave.
+  std::uint32_t skeleton_row() const { return static_cast<std::uint32_t>(capacity_); }
   /// Bakes what is missing of `keys` (ascending, without 0, at most capacity() - 1 of them) and uploads it.
   void ensure(const std::vector<std::uint64_t>& keys);
   /// Row of a key that is in the table.

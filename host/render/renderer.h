@@ -3,9 +3,8 @@
 //   ray groups -> trace_primary -> make_surface -> trace_sun -> trace_sky -> shade -> (host bakes missing rows)
 //              -> resolve -> integrate_bands -> strip on the host
 //
-// Light from neighbouring surfaces will join between trace_sky and shade: it adds product keys and accumulators to
-// the row, nothing else changes. Light that the air scatters in from the ground around joins in resolve, as rows of the
-// band table.
+// Light between surfaces (trace_bounce, after trace_sky, only where it is asked for) joins in resolve, as rows of the
+// band table for the skeleton's wavelengths; so does light that the air scatters in from the ground around.
 #pragma once
 
 #include <cstdint>

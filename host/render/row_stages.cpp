@@ -5,6 +5,7 @@
 
 #include "host/render/camera_arguments.h"
 #include "kernels/kernel_source.h"
+#include "kernels/sampling/sky_rays.h"
 
 namespace raycube::render {
 
@@ -34,7 +35,9 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       surface(context, pixels * elements.surface, cl::Access::read_write, "surface points"),
       lift(context, pixels * elements.lift, cl::Access::read_write, "lifts of surface points"),
       sun(context, pixels * elements.sun, cl::Access::read_write, "sun visibility"),
-      met_sky(context, pixels * elements.met_sky, cl::Access::read_write, "met sky") {}
+      met_sky(context, pixels * elements.met_sky, cl::Access::read_write, "met sky"),
+      glow(context, std::max<std::size_t>(1, pixels * elements.glow), cl::Access::read_write,
+           "light between surfaces") {}
 
 std::vector<float> open_shares(const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape) {
   std::size_t surfaces = 0;
@@ -107,37 +110,46 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
                                   .path_sums = rows.path,
                                   .truth = rows.truth});
   context_.launch(shade_, pixels.count);
+  rows.subset = subset;
 }
 
 void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                         const TileLayout& layout, const TraceBuffers& traced, const BandTable& table,
                         RowBuffers& rows) {
-  resolve_.arguments(ResolveArguments{.first_item = first_item,
-                                      .item_count = item_count,
-                                      .pixel_list = pixels.list ? *pixels.list : no_list_,
-                                      .use_list = cl_uint{pixels.list != nullptr},
-                                      .capacity = static_cast<cl_uint>(rows.capacity),
-                                      .term_capacity = static_cast<cl_uint>(rows.term_capacity),
-                                      .groups = traced.groups,
-                                      .columns = layout.columns,
-                                      .row_count = rows.count,
-                                      .row_keys = rows.keys,
-                                      .row_sums = rows.sums,
-                                      .path_sums = rows.path,
-                                      .baked_keys = table.keys(),
-                                      .baked_rows = table.rows(),
-                                      .baked_count = table.count(),
-                                      .view_first = plan_.view.first,
-                                      .view_step = plan_.view.step,
-                                      .path_x_first = plan_.path_x.first,
-                                      .path_x_step = plan_.path_x.step,
-                                      .path_y_first = plan_.path_y.first,
-                                      .path_y_step = plan_.path_y.step,
-                                      .environment_row = rows.environment_row,
-                                      .environment_weight = rows.environment_weight,
-                                      .term_count = rows.term_count,
-                                      .term_row = rows.term_row,
-                                      .term_weight = rows.term_weight});
+  // A pixel of few samples or paths has one part.
+  const bool parts = rc_sky_parts(static_cast<rc_u32>(shape_.samples), static_cast<rc_u32>(plan_.paths())) > 1;
+  resolve_.arguments(ResolveArguments{
+      .first_item = first_item,
+      .item_count = item_count,
+      .pixel_list = pixels.list ? *pixels.list : no_list_,
+      .use_list = cl_uint{pixels.list != nullptr},
+      .capacity = static_cast<cl_uint>(rows.capacity),
+      .term_capacity = static_cast<cl_uint>(rows.term_capacity),
+      .groups = traced.groups,
+      .columns = layout.columns,
+      .row_count = rows.count,
+      .row_keys = rows.keys,
+      .row_sums = rows.sums,
+      .path_sums = rows.path,
+      .baked_keys = table.keys(),
+      .baked_rows = table.rows(),
+      .baked_count = table.count(),
+      .view_first = plan_.view.first,
+      .view_step = plan_.view.step,
+      .path_x_first = plan_.path_x.first,
+      .path_x_step = plan_.path_x.step,
+      .path_y_first = plan_.path_y.first,
+      .path_y_step = plan_.path_y.step,
+      .environment_row = rows.environment_row,
+      .environment_weight = rows.environment_weight,
+      .glow = traced.glow,
+      .glow_part =
+          cl_uint{parts && rows.subset != sensors::kAllSamples ? static_cast<cl_uint>(rows.subset) : RC_PATH_PARTS},
+      .skeleton_row = table.skeleton_row(),
+      .skeleton_rows = static_cast<cl_uint>(plan_.bounces.skeleton.size()),
+      .term_count = rows.term_count,
+      .term_row = rows.term_row,
+      .term_weight = rows.term_weight});
   context_.launch(resolve_, item_count);
 }
 

@@ -28,6 +28,7 @@ struct RowBuffers {
   cl::Buffer<std::uint32_t> term_count;
   cl::Buffer<std::uint32_t> term_row;
   cl::Buffer<float> term_weight;
+  int subset = sensors::kAllSamples;  ///< of the samples that were shaded into it
 };
 
 /// What tracing left of a tile (or of one chunk of its samples).
@@ -39,6 +40,7 @@ struct TraceBuffers {
   cl::Buffer<float> surface, lift;
   cl::Buffer<std::uint16_t> sun;
   cl::Buffer<float> met_sky;
+  cl::Buffer<float> glow;
 };
 
 /// Share of the open sky that each surface takes for granted: the plan's, or all of it where no rays are sent.

@@ -52,6 +52,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.path_y = plan.path_y.count;
   shape.channels = std::max({plan.source_channels(), plan.path_channels(), plan.environment_channels()});
   shape.environment = !plan.environment.empty();
+  shape.bounces = plan.bounces.levels, shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
   shape.bands = static_cast<int>(plan.bands.size());
   shape.bands_padded = RC_PADDED(shape.bands);
   return shape;
@@ -79,7 +80,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   trace("RC_SCATTER", shape.sampler != scene::SamplerKind::grid || shape.support_px != 1);
   trace("RC_STACK", static_cast<int>(stack_bound));
   trace("RC_MOVING", shape.moving);
-  if (shape.matter.sides > 1) rows("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  if (shape.matter.sides > 1) both("RC_MATERIALS", static_cast<int>(shape.matter.materials));
   rows("RC_SUN", shape.sun);
   rows("RC_TEMPERATURES", shape.temperatures);
   rows("RC_HEIGHTS", shape.heights);
@@ -90,6 +91,12 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   rows("RC_BANDS_PADDED", shape.bands_padded);
   rows("RC_CHUNKED", shape.chunked());
   rows("RC_ENVIRONMENT", shape.environment);
+  if (shape.bounces > 0) {
+    both("RC_BOUNCES", shape.bounces);
+    both("RC_SKELETON", shape.skeleton_padded());
+    trace("RC_SUN", shape.sun);
+    if (shape.matter.sides == 1) trace("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  }
   return out;
 }
 

@@ -48,7 +48,8 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
                        std::size_t row_capacity, bool errors)
     : setup_(setup),
       row_stages_(setup.context, setup.buffers, setup.plan, setup.shape, sensors::SampleWeights(setup.instrument)),
-      trace_stages_(setup.context, setup.scene, setup.buffers, setup.plan, setup.shape, setup.seed),
+      trace_stages_(setup.context, setup.scene, setup.buffers, setup.plan, setup.shape, setup.seed,
+                    sensors::SampleWeights(setup.instrument)),
       table_(table),
       traced_(setup.context, setup.shape, pixels,
               pixels / setup.shape.pixels_per_group + static_cast<std::size_t>(lines) + 1),
@@ -378,6 +379,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
     std::copy(std::begin(results[f].truth), std::end(results[f].truth), sums);
     const std::vector<float> abundance(results[f].abundance.begin(), results[f].abundance.end());
     if (shape.environment) add_environment(flagged[f], sums, results[f].path, results[f].radiance);
+    if (shape.bounces > 0) add_glow(flagged[f], results[f].path, results[f].radiance);
     write_truth(flagged[f], sums, abundance.data(), out);
     host_radiance_.emplace_back(flagged[f], std::move(results[f].radiance));
   }

@@ -49,12 +49,39 @@ struct SkyMapBuffers {
   }
 };
 
+/// trace_bounce and what it reads beside the scene.
+struct PathStage {
+  PathStage(const cl::Context& context, const cl::Program& program, const plan::Plan& plan, const StageShape& shape,
+            std::optional<sensors::SampleWeights> weights_)
+      : kernel(program, "trace_bounce"),
+        scattering(context, plan.bounces.scattering, cl::Access::read_only, "scattering of surfaces"),
+        curve(context, plan.bounces.curve, cl::Access::read_only, "curves of the skeleton"),
+        weight(context, shape.tile().near, cl::Access::read_only, "sample weights"),
+        weights(std::move(weights_)) {}
+
+  /// The chunk's weights are in `weight` from here on.
+  void load(const cl::Context& context, int chunk, std::size_t first, std::size_t count) {
+    if (chunk == loaded_chunk) return;
+    std::vector<float> padded = weights ? weights->stretch(first, count) : std::vector<float>(count, 1.0f);
+    padded.resize(weight.size(), 0.0f);
+    context.finish();  // a launch may still read the chunk before
+    weight.write(padded);
+    loaded_chunk = chunk;
+  }
+
+  cl::Kernel kernel;
+  cl::Buffer<shared::rc_float4> scattering;
+  cl::Buffer<float> curve, weight;
+  std::optional<sensors::SampleWeights> weights;
+  int loaded_chunk = -1;
+};
+
 std::string identity_of(const std::string& options) {
   return "trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"));
 }
 
 StageShape without_sky(StageShape shape) {
-  shape.components = shape.thermal_components = 0;
+  shape.components = shape.thermal_components = shape.bounces = 0;
   return shape;
 }
 
@@ -62,7 +89,8 @@ StageShape without_sky(StageShape shape) {
 
 struct TraceStages::State {
   State(const cl::Context& context_, const scene::CompiledScene& scene, const SceneBuffers& buffers_,
-        const plan::Plan& plan_, const StageShape& shape_, std::uint64_t seed_)
+        const plan::Plan& plan_, const StageShape& shape_, std::uint64_t seed_,
+        std::optional<sensors::SampleWeights> weights_)
       : context(context_),
         buffers(buffers_),
         plan(plan_),
@@ -78,7 +106,9 @@ struct TraceStages::State {
         sun(*program, "trace_sun"),
         sky(*program, "trace_sky"),
         sky_map(context_, plan_),
-        open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {}
+        open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {
+    if (shape.bounces > 0) paths.emplace(context, *program, plan, shape, std::move(weights_));
+  }
 
   cl_uint first_sample(int chunk) const { return static_cast<cl_uint>(chunk * shape.chunk_samples); }
   cl_uint sample_count(int chunk) const {
@@ -155,6 +185,42 @@ struct TraceStages::State {
         .met_sky = traced.met_sky});
   }
 
+  const cl::Kernel& paths_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
+    const double azimuth = plan.sky.sun_azimuth_rad;
+    paths->load(context, chunk, first_sample(chunk), sample_count(chunk));
+    return paths->kernel.arguments(TraceBounceArguments{
+        .nodes = buffers.nodes,
+        .blocks = buffers.blocks,
+        .instances = buffers.instances,
+        .surfaces = buffers.surfaces,
+        .lobes = buffers.lobes,
+        .scattering = paths->scattering,
+        .skeleton_curve = paths->curve,
+        .groups = traced.groups,
+        .hits = traced.hits,
+        .surface = traced.surface,
+        .sky_map = sky_map.solar,
+        .sky_zenith = sky_map.zenith,
+        .sky_azimuth = sky_map.azimuth,
+        .zeniths = static_cast<cl_uint>(plan.sky_basis.zenith_rad.size()),
+        .azimuths = static_cast<cl_uint>(plan.sky_basis.azimuth_rad.size()),
+        .thermal_map = sky_map.thermal,
+        .thermal_zenith = sky_map.thermal_zenith,
+        .thermal_zeniths = static_cast<cl_uint>(plan.thermal.basis.zenith_rad.size()),
+        .sun_azimuth =
+            shared::rc_float4{static_cast<float>(std::sin(azimuth)), static_cast<float>(std::cos(azimuth)), 0, 0},
+        .sun_direction = sun_direction(),
+        .sun_up = cl_uint{plan.sun_up},
+        .chunk_weight = paths->weight,
+        .sample_total = static_cast<float>(shape.samples),
+        .paths = static_cast<cl_uint>(plan.paths()),
+        .seed = plan.sky.hash_seed(seed, sky_draw),
+        .columns = layout.columns,
+        .first_sample = first_sample(chunk),
+        .sample_count = sample_count(chunk),
+        .glow = traced.glow});
+  }
+
   const cl::Context& context;
   const SceneBuffers& buffers;
   const plan::Plan& plan;
@@ -165,12 +231,14 @@ struct TraceStages::State {
   cl::Kernel primary, surface, sun, sky;
   SkyMapBuffers sky_map;
   cl::Buffer<float> open_share;
+  std::optional<PathStage> paths;
   const void* zeroed = nullptr;  ///< buffers whose unused visibility has been cleared
 };
 
 TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
-                         const plan::Plan& plan, const StageShape& shape, std::uint64_t seed)
-    : state_(std::make_unique<State>(context, scene, buffers, plan, shape, seed)) {}
+                         const plan::Plan& plan, const StageShape& shape, std::uint64_t seed,
+                         std::optional<sensors::SampleWeights> weights)
+    : state_(std::make_unique<State>(context, scene, buffers, plan, shape, seed, std::move(weights))) {}
 TraceStages::~TraceStages() = default;
 void TraceStages::set_draw(const PixelDraw& draw) {
   state_->seed = static_cast<std::uint32_t>(draw.seed), state_->sky_draw = draw.sky_draw;
@@ -240,6 +308,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
                                                                   .sample_count = sample_count}));
   if (s.plan.sun_up) launch("trace_sun", s.sun_of(layout, traced));
   if (s.sends_to_sky()) launch("trace_sky", s.sky_of(layout, chunk, traced));
+  if (s.paths) launch("trace_bounce", s.paths_of(layout, chunk, traced));
 }
 
 }  // namespace raycube::render

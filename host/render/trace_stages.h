@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/cl/kernel.h"
@@ -27,8 +28,10 @@ TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group)
 
 class TraceStages {
  public:
+  /// weights: of a pixel's samples; without them all alike.
   TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
-              const plan::Plan& plan, const StageShape& shape, std::uint64_t seed);
+              const plan::Plan& plan, const StageShape& shape, std::uint64_t seed,
+              std::optional<sensors::SampleWeights> weights = {});
   ~TraceStages();
 
   /// Traces one chunk of samples of every pixel of the tile into `traced`. Adds the stages' wall seconds to `stage_s`.

@@ -46,7 +46,9 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
   compare.no_air = simulation.atmosphere.none;
   compare.model_pixels = options.model_pixels;
   compare.model_directions = options.model_directions;
-  reference::Comparison comparison(simulation.scene, plan, instrument, simulation.seed, compare);
+  plan::Plan once = plan;
+  once.bounces = {};  // light between surfaces is not looked at here
+  reference::Comparison comparison(simulation.scene, once, instrument, simulation.seed, compare);
   const int width = sensors::pixels_per_group(instrument);
   std::vector<reference::DevicePixel> waiting;
   const auto flush = [&] {
@@ -58,7 +60,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
   in_full.first_samples = 0;
   in_full.replicates = 1;                            // the others are traced alike
   in_full.small_objects = scene::SmallObjects::off;  // theirs are check_small_objects' matter
-  renderer.probe(in_full, plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe& probe) {
+  renderer.probe(in_full, once, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe& probe) {
     const auto samples = static_cast<std::size_t>(probe.samples);
     const std::size_t bands = plan.bands.size();
     for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {

@@ -6,6 +6,7 @@
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/surface_point.h"
+#include "kernels/light/far_side.h"
 #include "kernels/shared/camera_arguments.h"
 
 /* Corners of the samples' triangles, and the direction and origin of their rays. */
@@ -28,15 +29,6 @@ static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, 
     out[RC_PLANE(RC_LOBE_P0) + k] = lobe.parameter[0];
     out[RC_PLANE(RC_LOBE_P1) + k] = lobe.parameter[1];
   }
-}
-#endif
-
-#if RC_SIDES > 1
-/* The far side's slots of a word: zero, until matter that lets light through fills them. */
-static inline void rc_clear_far_side(global float* surface, global float* lift) {
-  for (uint plane = 0; plane < RC_POINT_PLANES; ++plane)
-    rc_store16((float16)(0.0f), 0, surface + RC_PLANE(plane) + RC_NEAR_SAMPLES);
-  rc_store16((float16)(0.0f), 0, lift + RC_NEAR_SAMPLES);
 }
 #endif
 
@@ -78,6 +70,12 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
       const Vector16 origin = {rc_load16(0, g.origin[0]), rc_load16(0, g.origin[1]), rc_load16(0, g.origin[2])};
       const Vector16 direction = {rc_load16(0, g.direction[0]), rc_load16(0, g.direction[1]),
                                   rc_load16(0, g.direction[2])};
+#if RC_SIDES > 1
+      const uint through = rc_let_through(scene, lobes, in);
+      const Vector16 backwards = {-direction.x, -direction.y, -direction.z};
+      Vector16 far_position = {0.0f, 0.0f, 0.0f}, far_normal = {0.0f, 0.0f, 0.0f};
+      float16 far_moved = 0.0f;
+#endif
       while (left) { /* one instance after the other: its matrices are shared */
         const uint instance = in[rc_lowest(left)];
         const int16 lanes = rc_load16(0, in) == instance;
@@ -92,6 +90,18 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
         normal.y = select(normal.y, facing.y, lanes);
         normal.z = select(normal.z, facing.z, lanes);
         moved = select(moved, reach, lanes);
+#if RC_SIDES > 1
+        if (!(rc_mask16(lanes) & through)) continue;
+        const int16 leaves = lanes & rc_bits16(through);
+        rc_surface_points(rc_instance(scene, instance), v, origin, backwards, &there, &facing, &reach);
+        far_position.x = select(far_position.x, there.x, leaves);
+        far_position.y = select(far_position.y, there.y, leaves);
+        far_position.z = select(far_position.z, there.z, leaves);
+        far_normal.x = select(far_normal.x, facing.x, leaves);
+        far_normal.y = select(far_normal.y, facing.y, leaves);
+        far_normal.z = select(far_normal.z, facing.z, leaves);
+        far_moved = select(far_moved, reach, leaves);
+#endif
       }
       rc_store16(position.x, 0, out + RC_PLANE(RC_POINT_X));
       rc_store16(position.y, 0, out + RC_PLANE(RC_POINT_Y));
@@ -104,7 +114,7 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
 #endif
       rc_store16(moved, 0, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
 #if RC_SIDES > 1
-      rc_clear_far_side(out, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
+      rc_store_far_side(far_position, far_normal, far_moved, out, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
 #endif
     }
 }

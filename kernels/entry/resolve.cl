@@ -1,8 +1,8 @@
 /* resolve: from a pixel's row of (product key, sums) to its list of (row of the band table, weight).
- * Reads:  rows of shade, the sorted table of baked keys, rows and weights of the pixel's environment. Writes: term
- * count and terms. Next: integrate_bands. Terms come in key order (the path row first, then the environment's up to
- * four rows), channels ascending: row numbers and eviction cannot change a sum. One work-item per pixel, any local
- * size. */
+ * Reads:  rows of shade, the sorted table of baked keys, rows and weights of the pixel's environment, the glow of
+ * trace_bounce. Writes: term count and terms. Next: integrate_bands. Terms come in key order (the path row first, then
+ * the environment's up to four rows; last the skeleton's), channels ascending: row numbers and eviction cannot change a
+ * sum. One work-item per pixel, any local size. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/atmosphere/nodes.h"
 #include "kernels/shading/sums.h"
@@ -104,6 +104,23 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
       }
     }
   }
+#if RC_BOUNCES
+  /* Light between surfaces: the pixel's own mean over the height nodes stands for where it was scattered last. */
+  for (uint s = 0; s < RC_GLOW_SOURCES; ++s)
+    for (uint m = 0; m < skeleton_rows; ++m) {
+      float sum = 0.0f;
+      for (uint part = 0; part < RC_PATH_PARTS; ++part)
+        if (glow_part == RC_PATH_PARTS || glow_part == part) sum += glow[RC_GLOW_AT(pixel, part) + s * RC_SKELETON + m];
+      if (glow_part < RC_PATH_PARTS) sum *= (float)RC_PATH_PARTS;
+      for (uint h = 0; h < RC_HEIGHTS; ++h)
+        for (int v = 0; v < RC_VIEWS; ++v) {
+          const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, iv, fv));
+          if (w == 0.0f) continue;
+          rows[n] = (skeleton_row + m) * RC_CHANNELS + (s * RC_HEIGHTS + h) * RC_VIEWS + (uint)v;
+          weights[n++] = w;
+        }
+    }
+#endif
   term_count[item] = n;
 }
 

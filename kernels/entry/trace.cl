@@ -3,3 +3,6 @@
 #include "kernels/entry/make_surface.cl"
 #include "kernels/entry/trace_sun.cl"
 #include "kernels/entry/trace_sky.cl"
+#if RC_BOUNCES
+#include "kernels/entry/trace_bounce.cl"
+#endif

@@ -32,11 +32,6 @@ typedef struct ShadowFrame {
   bool same;         /* the frame is the scene's */
 } ShadowFrame;
 
-static inline int16 rc_lanes(uint bits) {
-  const int16 lane_bit = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-  return ((int16)(int)bits & lane_bit) != 0;
-}
-
 /* An empty word meets nothing any more. */
 static inline void rc_empty_word(Points* points, uint word) {
   points->lo_a[word] = INFINITY;
@@ -44,7 +39,7 @@ static inline void rc_empty_word(Points* points, uint word) {
 }
 
 static inline void rc_word_bounds(Points* points, uint word) {
-  const int16 live = rc_lanes(points->live[word]);
+  const int16 live = rc_bits16(points->live[word]);
   const float16 a = rc_load16(word, points->a), b = rc_load16(word, points->b), d = rc_load16(word, points->d);
   points->lo_a[word] = rc_least16(select((float16)(INFINITY), a, live));
   points->hi_a[word] = rc_most16(select((float16)(-INFINITY), a, live));

@@ -14,7 +14,7 @@ static inline float rc_front(const LidarTables* t, uint surface, RcAngles angles
 /* BRDF, 1/sr, of a surface's glossy materials. */
 static inline float rc_gloss(const LidarTables* t, uint surface, RcAngles angles) {
   float sum = 0.0f;
-  for (uint i = 1; i < RC_LOBES; ++i) {
+  for (uint i = 1; i < RC_LOBE_BEHIND; ++i) {
     const Lobe lobe = t->lobes[surface * RC_LOBES + i];
     if (!(lobe.share > 0.0f)) continue;
     sum += rc_shape_eval(lobe.shape, lobe.share, lobe.parameter[0], lobe.parameter[1], angles);

@@ -42,7 +42,7 @@ static inline uint rc_ground_passed(SceneArrays scene, const Skyline* skyline, g
   float16 lo_x = INFINITY, hi_x = -INFINITY, lo_y = INFINITY, hi_y = -INFINITY, lo_z = INFINITY;
   for (uint word = 0; word < points->words; ++word) {
     if (!points->live[word]) continue;
-    const int16 live = rc_lanes(points->live[word]);
+    const int16 live = rc_bits16(points->live[word]);
     Vector16 at = {rc_load16(word, points->x), rc_load16(word, points->y), rc_load16(word, points->z)};
     if (!same) at = rc_map_points16(r0, r1, r2, at);
     lo_x = rc_min16(lo_x, select((float16)(INFINITY), at.x, live));

@@ -49,6 +49,18 @@
   WRITE(rc_ushort, sun) NEXT() \
   VALUE(rc_uint, columns)
 
+/* kernels/light/sky_map.h */
+#define RC_SKY_MAP_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  READ(rc_float4, sky_map) NEXT() \
+  READ(rc_float, sky_zenith) NEXT() \
+  READ(rc_float, sky_azimuth) NEXT() \
+  VALUE(rc_uint, zeniths) NEXT() \
+  VALUE(rc_uint, azimuths) NEXT() \
+  READ(rc_float4, thermal_map) NEXT() \
+  READ(rc_float, thermal_zenith) NEXT() \
+  VALUE(rc_uint, thermal_zeniths) NEXT() \
+  VALUE(rc_float4, sun_azimuth)
+
 #define RC_TRACE_SKY_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
@@ -58,15 +70,7 @@
   READ(rc_float, surface) NEXT() \
   RC_SKYLINE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   READ(rc_float, open_share) NEXT()   /* [surface]: of the open sky, taken for granted, 0 .. 1 */ \
-  READ(rc_float4, sky_map) NEXT()     /* kernels/light/sky_map.h, as the next seven */ \
-  READ(rc_float, sky_zenith) NEXT() \
-  READ(rc_float, sky_azimuth) NEXT() \
-  VALUE(rc_uint, zeniths) NEXT() \
-  VALUE(rc_uint, azimuths) NEXT() \
-  READ(rc_float4, thermal_map) NEXT() \
-  READ(rc_float, thermal_zenith) NEXT() \
-  VALUE(rc_uint, thermal_zeniths) NEXT() \
-  VALUE(rc_float4, sun_azimuth) NEXT() \
+  RC_SKY_MAP_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_float4, density) NEXT()    /* x cosine, y sun, z g of SkyDensity */ \
   VALUE(rc_float4, sun_direction) NEXT() \
   VALUE(rc_uint, rays) NEXT()         /* of a pixel */ \
@@ -75,6 +79,29 @@
   VALUE(rc_uint, first_sample) NEXT() \
   VALUE(rc_uint, sample_count) NEXT() \
   WRITE(rc_float, met_sky)
+
+#define RC_TRACE_BOUNCE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  SCENE(BvhNode, nodes, NODES) NEXT() \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Instance, instances, INSTANCES) NEXT() \
+  SCENE(Surface, surfaces, SURFACES) NEXT() \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED or RC_SIDES 2 */ \
+  READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T */ \
+  READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
+  READ(RayGroup, groups) NEXT() \
+  READ(rc_uint, hits) NEXT() \
+  READ(rc_float, surface) NEXT() \
+  RC_SKY_MAP_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
+  VALUE(rc_float4, sun_direction) NEXT() \
+  VALUE(rc_uint, sun_up) NEXT() \
+  READ(rc_float, chunk_weight) NEXT() \
+  VALUE(rc_float, sample_total) NEXT() /* samples of a pixel, all chunks */ \
+  VALUE(rc_uint, paths) NEXT()        /* of a pixel */ \
+  VALUE(rc_uint, seed) NEXT() \
+  VALUE(rc_uint, columns) NEXT() \
+  VALUE(rc_uint, first_sample) NEXT() \
+  VALUE(rc_uint, sample_count) NEXT() \
+  WRITE(rc_float, glow)
 
 #define RC_SHADE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   VALUE(rc_uint, item_count) NEXT() \
@@ -131,6 +158,10 @@
   VALUE(rc_float, path_y_step) NEXT() \
   READ(rc_uint, environment_row) NEXT() /* [item][RC_ENVIRONMENT_NODES], as the next */ \
   READ(rc_float, environment_weight) NEXT() \
+  READ(rc_float, glow) NEXT() \
+  VALUE(rc_uint, glow_part) NEXT()    /* part of the samples that is asked for; RC_PATH_PARTS: all */ \
+  VALUE(rc_uint, skeleton_row) NEXT() /* of the band table, of the first skeleton wavelength; the others follow */ \
+  VALUE(rc_uint, skeleton_rows) NEXT() /* how many of them there are */ \
   WRITE(rc_uint, term_count) NEXT() \
   WRITE(rc_uint, term_row) NEXT()     /* [item][term_capacity], as the next */ \
   WRITE(rc_float, term_weight)

@@ -5,7 +5,8 @@
 #define RC_NONE 0xFFFFFFFFu /* no instance, no primitive, no surface */
 #define RC_GROUP_WIDTH 4    /* pixels of one line that share a traversal: a constant of the plan, part of the results */
 #define RC_BLOCK 16         /* triangles per leaf block */
-#define RC_LOBES 5          /* Lobe records of a surface */
+#define RC_LOBES 6          /* Lobe records of a surface: what it reflects by, four of gloss, what lets light through */
+#define RC_LOBE_BEHIND 5
 #define RC_MAX_CHANNELS 32  /* channels (source x node) of a term row */
 #define RC_VOLUME_BOX 0u    /* shapes of a LidarVolume */
 #define RC_VOLUME_GRID 1u

@@ -15,6 +15,10 @@
  *   met_sky   float   [RC_SKY_PLANES][padded]    irradiance, by component: what the sample's rays into the sky add to
  *                                               the share of the open sky that is taken for granted; zero where it
  *                                               sends none. With shapes (RC_SHAPED) open sky counts pi f times
+ *   glow      float   [RC_PATH_PARTS][RC_GLOW_SOURCES][RC_SKELETON]  where light goes on from surface to surface
+ *                                               (RC_BOUNCES): by part of the samples, what it adds of the sun and of
+ *                                               each solar component, at the skeleton wavelengths; the parts' sum is
+ *                                               the pixel's
  * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
@@ -74,6 +78,8 @@
 #define RC_TRUTH_INCIDENCE 6 /* cosine between the normal (facing the viewer) and the sun */
 #define RC_TRUTH_SUMS 8      /* the last is free, and zero */
 
+#define RC_PATH_PARTS 4 /* of a pixel's samples, whose paths are summed apart: their spread tells a standard error */
+
 #define RC_ENVIRONMENT_NODES 4 /* nodes of the ground around that a pixel takes light from */
 
 #ifdef __OPENCL_C_VERSION__
@@ -109,6 +115,13 @@
 #ifndef RC_TEMPERATURES
 #define RC_TEMPERATURES 0 /* nodes of emission */
 #endif
+#ifndef RC_BOUNCES
+#define RC_BOUNCES 0 /* surfaces after the first that light may come by */
+#endif
+#ifndef RC_SKELETON
+#define RC_SKELETON 16 /* wavelengths along paths, whole words; asked for where there are bounces */
+#endif
+#define RC_GLOW_SOURCES (RC_SUN + RC_COMPONENTS - RC_THERMAL_COMPONENTS)
 #define RC_NEAR_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)
 #define RC_NEAR_WORDS (RC_NEAR_SAMPLES / RC_WORD)
 #define RC_PADDED_SAMPLES (RC_SIDES * RC_NEAR_SAMPLES)
@@ -126,6 +139,8 @@
 #define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
 #define RC_MET_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
+#define RC_GLOW_AT(pixel, part) \
+  (((size_t)(pixel)*RC_PATH_PARTS + (part)) * (RC_GLOW_SOURCES * RC_SKELETON)) /* a part's first element */
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
 /* An item's first element, and a key's sums from there. */
 #define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
@@ -139,8 +154,9 @@ namespace raycube::shared {
 /// Elements of a pixel in the buffers of one chunk of its samples.
 struct TileElements {
   std::size_t near, padded, words;  ///< slots of the near side; of a plane, and 16-bit words of them
-  std::size_t hits, surface, lift, sun, met_sky;
-  constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes, bool shaped = false, std::size_t sides = 1)
+  std::size_t hits, surface, lift, sun, met_sky, glow;
+  constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes, bool shaped = false, std::size_t sides = 1,
+                         std::size_t glow_of_part = 0)
       : near(RC_PADDED(chunk_samples)),
         padded(sides * near),
         words(padded / RC_WORD),
@@ -148,9 +164,10 @@ struct TileElements {
         surface(RC_POINT_PLANES_OF(shaped) * padded),
         lift(padded),
         sun(words),
-        met_sky(sky_planes * padded) {}
+        met_sky(sky_planes * padded),
+        glow(RC_PATH_PARTS * glow_of_part) {}
   constexpr std::size_t bytes() const {
-    return hits * sizeof(rc_uint) + (surface + lift + met_sky) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
+    return hits * sizeof(rc_uint) + (surface + lift + met_sky + glow) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
   }
 };
 

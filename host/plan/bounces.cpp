@@ -1,0 +1,212 @@
+#include "host/plan/bounces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "host/plan/curve.h"
+#include "kernels/sampling/sampler.h"
+#include "kernels/shared/tile_layout.h"
+#include "scene_compiler/matter.h"
+
+namespace raycube::plan {
+
+namespace {
+
+using Curves = std::vector<std::vector<double>>;  ///< [curve][grid]
+
+constexpr int kMostFactors = 8;            ///< of a product that the skeleton is fitted to
+constexpr std::size_t kRowsOfACurve = 24;  ///< of training, and as many that only judge
+constexpr std::size_t kMostRows = 600;
+constexpr std::size_t kMostWavelengths = 128, kStep = 16;
+constexpr double kNothingLeft = 1e-12;        ///< of the largest column: rounding of what has been taken out
+constexpr double kFewest = 0.1, kMost = 0.9;  ///< chance of the side by which a path leaves a leaf
+constexpr std::uint32_t kTraining = 61, kJudging = 62;
+
+/// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums.
+Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
+  Curves out;
+  for (const auto number : scene::used_materials(scene)) {
+    const scene::Material& material = scene.materials[number];
+    out.push_back(sample_reflectance(material, plan.wavelength_um));
+    if (!scene::lets_light_through(material)) continue;
+    const std::size_t reflectance = out.size() - 1;
+    out.push_back(sample_curve(material, material.transmittance, plan.wavelength_um));
+    out.push_back(out[reflectance]);
+    for (std::size_t i = 0; i < plan.wavelength_um.size(); ++i) out.back()[i] += out[reflectance + 1][i];
+  }
+  return out;
+}
+
+/// Products of 2 to `most` factors: a curve's own powers first, then any, drawn by `draw`. Each has a largest value of
+/// 1.
+Eigen::MatrixXd products_of(const Curves& factors, int most, std::uint32_t draw) {
+  const std::size_t grid = factors.front().size(), count = factors.size();
+  const std::size_t rows = std::clamp(kRowsOfACurve * count, kRowsOfACurve, kMostRows);
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(grid));
+  for (std::size_t r = 0; r < rows; ++r) {
+    const auto random = [&](std::uint32_t what) { return rc_hash(static_cast<std::uint32_t>(r), what, 0, draw); };
+    const int length = 2 + static_cast<int>(random(0) % static_cast<std::uint32_t>(most - 1));
+    const bool power = draw == kTraining && r % 2 == 0;
+    std::vector<double> product(grid, 1.0);
+    for (int f = 0; f < length; ++f) {
+      const auto& factor = factors[power ? r / 2 % count : random(1 + static_cast<std::uint32_t>(f)) % count];
+      for (std::size_t i = 0; i < grid; ++i) product[i] *= factor[i];
+    }
+    const double largest = std::max(1e-300, *std::max_element(product.begin(), product.end()));
+    for (std::size_t i = 0; i < grid; ++i)
+      out(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i)) = product[i] / largest;
+  }
+  return out;
+}
+
+/// Columns of a matrix, picked one after the other, and the triangular factor that they leave.
+struct Picked {
+  std::vector<Eigen::Index> column;
+  Eigen::MatrixXd factor;  ///< [pick][column of the matrix]
+};
+
+Picked pick_columns(Eigen::MatrixXd rest, Eigen::Index most) {
+  Picked out;
+  most = std::min({most, rest.cols(), rest.rows()});
+  out.factor.resize(most, rest.cols());
+  double largest = 0;
+  for (Eigen::Index k = 0; k < most; ++k) {
+    const Eigen::VectorXd left = rest.colwise().squaredNorm();
+    Eigen::Index at = 0;
+    const double here = left.maxCoeff(&at);
+    if (k == 0) largest = here;
+    if (!(here > kNothingLeft * largest)) break;
+    const Eigen::VectorXd q = rest.col(at) / std::sqrt(here);
+    out.factor.row(k) = q.transpose() * rest;
+    rest.noalias() -= q * out.factor.row(k);
+    out.column.push_back(at);
+  }
+  return out;
+}
+
+/// basis [pick][grid] of the first `count` picks.
+Eigen::MatrixXd basis_of(const Picked& picked, Eigen::Index count) {
+  Eigen::MatrixXd triangle(count, count);
+  for (Eigen::Index k = 0; k < count; ++k)
+    triangle.col(k) = picked.factor.col(picked.column[static_cast<std::size_t>(k)]).head(count);
+  return triangle.triangularView<Eigen::Upper>().solve(picked.factor.topRows(count));
+}
+
+/// Largest error of a band mean of a row, over that row's own mean, where that is no smaller than a hundredth of its
+/// largest band's.
+double judge(const Eigen::MatrixXd& rows, const Picked& picked, const Eigen::MatrixXd& basis,
+             const std::vector<BandQuadrature>& bands) {
+  double worst = 0;
+  std::vector<double> wanted(bands.size()), off(bands.size());
+  for (Eigen::Index r = 0; r < rows.rows(); ++r) {
+    Eigen::VectorXd at(basis.rows());
+    for (Eigen::Index k = 0; k < basis.rows(); ++k) at(k) = rows(r, picked.column[static_cast<std::size_t>(k)]);
+    const Eigen::RowVectorXd found = at.transpose() * basis;
+    double largest = 0;
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+      wanted[b] = off[b] = 0;
+      for (std::size_t i = 0; i < bands[b].weight.size(); ++i) {
+        const auto l = static_cast<Eigen::Index>(bands[b].first + i);
+        wanted[b] += bands[b].weight[i] * rows(r, l);
+        off[b] += bands[b].weight[i] * (found(l) - rows(r, l));
+      }
+      largest = std::max(largest, wanted[b]);
+    }
+    for (std::size_t b = 0; b < bands.size(); ++b)
+      worst = std::max(worst, std::abs(off[b]) / std::max(wanted[b], 0.01 * largest));
+  }
+  return worst;
+}
+
+void fit_skeleton(Bounces& out, const Plan& plan, const Curves& factors, double share) {
+  const int most = std::clamp(out.levels + 1, 2, kMostFactors);
+  const Eigen::MatrixXd training = products_of(factors, most, kTraining), unseen = products_of(factors, most, kJudging);
+  const Picked picked = pick_columns(training, static_cast<Eigen::Index>(kMostWavelengths));
+  const std::size_t all = picked.column.size();
+  Eigen::MatrixXd basis;
+  for (std::size_t count = std::min(kStep, all);; count = std::min(count + kStep, all)) {
+    basis = basis_of(picked, static_cast<Eigen::Index>(count));
+    out.error = judge(unseen, picked, basis, plan.bands);
+    if (out.error <= share || count == all) break;
+  }
+  out.amplified = std::sqrt(basis.colwise().squaredNorm().maxCoeff());
+  for (Eigen::Index k = 0; k < basis.rows(); ++k) {
+    out.skeleton.push_back(static_cast<std::size_t>(picked.column[static_cast<std::size_t>(k)]));
+    auto& row = out.basis.emplace_back(plan.wavelength_um.size());
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] = basis(k, static_cast<Eigen::Index>(i));
+  }
+}
+
+/// Curves at the skeleton's wavelengths, [curve - 1][padded]; of materials that no triangle carries, zero.
+void sample_skeleton(Bounces& out, const Plan& plan, const scene::CompiledScene& scene) {
+  const std::size_t padded = RC_PADDED(out.skeleton.size());
+  std::vector<double> at_um;
+  for (const std::size_t i : out.skeleton) at_um.push_back(plan.wavelength_um[i]);
+  out.curve.assign(scene::curve_count(scene) * padded, 0.0f);
+  const auto sample = [&](const scene::Material& material, std::uint32_t curve) {
+    for (std::size_t m = 0; m < at_um.size(); ++m)
+      out.curve[(curve - 1) * padded + m] =
+          static_cast<float>(sample_curve(material, scene::curve_of(scene, curve), {at_um[m]}).front());
+  };
+  for (const auto number : scene::used_materials(scene)) {
+    const scene::Material& material = scene.materials[number];
+    sample(material, scene::reflectance_curve(scene, number));
+    if (scene::lets_light_through(material)) sample(material, scene::transmittance_curve(scene, number));
+  }
+}
+
+/// Chance p of the near side that makes the largest R^2 / p + T^2 / (1 - p) smallest: what a path carries varies least.
+double near_chance(const std::vector<double>& reflected, const std::vector<double>& through) {
+  const double r = *std::max_element(reflected.begin(), reflected.end()),
+               t = *std::max_element(through.begin(), through.end());
+  if (t <= 0) return 1;
+  if (r <= 0) return 0;
+  double best = 0.5, least = 1e300;
+  for (double p = kFewest; p <= kMost + 1e-9; p += 0.01) {
+    double worst = 0;
+    for (std::size_t i = 0; i < reflected.size(); ++i)
+      worst = std::max(worst, reflected[i] * reflected[i] / p + through[i] * through[i] / (1 - p));
+    if (worst < least) least = worst, best = p;
+  }
+  return best;
+}
+
+void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
+  const std::size_t padded = RC_PADDED(out.skeleton.size()), count = out.skeleton.size();
+  for (const shared::Surface& surface : scene.surfaces) {
+    std::vector<double> side[2] = {std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
+    scene::for_each_material(surface, [&](std::size_t material, float fraction) {
+      for (const std::size_t through : {0u, 1u}) {
+        const auto curve =
+            through ? scene::transmittance_curve(scene, material) : scene::reflectance_curve(scene, material);
+        for (std::size_t m = 0; m < count; ++m)
+          side[through][m] += static_cast<double>(fraction) * static_cast<double>(out.curve[(curve - 1) * padded + m]);
+      }
+    });
+    double largest = 0;
+    for (std::size_t m = 0; m < count; ++m) largest = std::max(largest, side[0][m] + side[1][m]);
+    shared::rc_float4 law{};
+    law.x = static_cast<float>(near_chance(side[0], side[1])), law.y = static_cast<float>(largest);
+    out.scattering.push_back(law);
+  }
+}
+
+}  // namespace
+
+void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share) {
+  plan.bounces = {};
+  const Curves factors = factors_of(plan, scene);
+  if (levels <= 0 || plan.sun_sources + plan.sky_components == 0 || factors.empty()) return;
+  plan.bounces.levels = levels, plan.bounces.paths = paths;
+  fit_skeleton(plan.bounces, plan, factors, share);
+  if (plan.bounces.skeleton.empty()) {  // nothing reflects
+    plan.bounces = {};
+    return;
+  }
+  sample_skeleton(plan.bounces, plan, scene);
+  find_scattering(plan.bounces, scene);
+}
+
+}  // namespace raycube::plan

@@ -1,0 +1,43 @@
+// Light between surfaces of a pixel that is summed on the host.
+#include <algorithm>
+#include <cmath>
+
+#include "host/render/tile_worker.h"
+#include "kernels/atmosphere/nodes.h"
+#include "kernels/shared/tile_layout.h"
+
+namespace raycube::render {
+
+void TileWorker::add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance) {
+  const StageShape& shape = setup_.shape;
+  const plan::Plan& plan = setup_.plan;
+  const auto d = centre_direction(pixel);
+  int view;
+  float fraction;
+  rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), plan.view.first,
+                  plan.view.step, plan.view.count, &view, &fraction);
+  const auto sources = static_cast<std::size_t>(shape.glow_sources()),
+             padded = static_cast<std::size_t>(shape.skeleton_padded());
+  std::vector<double> sum(sources * padded, 0.0);
+  const auto glow = traced_.glow.map(false);
+  for (std::size_t part = 0; part < RC_PATH_PARTS; ++part)
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      sum[i] += static_cast<double>(glow[pixel * traced_.elements.glow + part * sum.size() + i]);
+  traced_.glow.unmap(glow);
+  for (std::size_t m = 0; m < plan.bounces.skeleton.size(); ++m) {
+    const auto baked = plan::bake_row(plan, setup_.scene, plan::kSkeletonKey | m);
+    for (std::size_t s = 0; s < sources; ++s)
+      for (int h = 0; h < shape.heights; ++h)
+        for (int v = view; v < std::min(view + 2, shape.views); ++v) {
+          const double weight = sum[s * padded + m] * path[static_cast<std::size_t>(h)] *
+                                (v == view ? 1.0 - double{fraction} : double{fraction});
+          const std::size_t channel = (s * static_cast<std::size_t>(shape.heights) + static_cast<std::size_t>(h)) *
+                                          static_cast<std::size_t>(shape.views) +
+                                      static_cast<std::size_t>(v);
+          const float* e = baked.data() + channel * static_cast<std::size_t>(shape.bands_padded);
+          for (std::size_t b = 0; b < radiance.size(); ++b) radiance[b] += weight * double{e[b]};
+        }
+  }
+}
+
+}  // namespace raycube::render

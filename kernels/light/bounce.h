@@ -1,0 +1,235 @@
+/* Paths of light from surface to surface (docs/light.md, Light between surfaces): sixteen side by side, from the
+ * surfaces that pixels see on. Along a path goes what its viewer would see of a unit that comes back, at the skeleton
+ * wavelengths; where a path stands, the sun and the sky add to what it gains. Decisions know no wavelength. */
+#ifndef RAYCUBE_KERNELS_LIGHT_BOUNCE_H
+#define RAYCUBE_KERNELS_LIGHT_BOUNCE_H
+
+#include "kernels/geometry/any_hits16.h"
+#include "kernels/geometry/ray_trace.h"
+#include "kernels/geometry/surface_point.h"
+#include "kernels/light/sky_map.h"
+#include "kernels/materials/shapes.h"
+#include "kernels/sampling/sky_rays.h"
+#include "kernels/shared/product_key.h"
+
+#define RC_PATH_DIMENSION 25u /* of rc_hash, and the next four */
+
+/* What paths ask of matter and light. */
+typedef struct PathTables {
+  global const Lobe* lobes;           /* [surface][RC_LOBES] */
+  global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
+  global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
+  SkyMap sky;
+  float4 sun; /* direction to it */
+  uint sun_up, seed;
+} PathTables;
+
+typedef struct Paths16 {
+  Rays16 rays;
+  float carried[16][RC_SKELETON];
+  float gained[16][RC_GLOW_SOURCES][RC_SKELETON];
+  float reach[16];           /* bound of what is carried: product of the surfaces' largest R + T */
+  float scale[16];           /* samples that the path stands for, times their weight */
+  uint pixel[16], part[16];  /* of the group; part of its samples */
+  uint number[16], path[16]; /* of the pixel in the image, of the path in the pixel: for draws */
+  uint count;
+} RC_LINE Paths16;
+
+/* Where the paths' rays ended. */
+typedef struct Ends16 {
+  float front[3][16], back[3][16]; /* m, scene frame: off the surface on the side that the ray came from, and beyond */
+  float normal[3][16];             /* unit, to the side that the ray came from */
+  uint instance[16], primitive[16], surface[16];
+} RC_LINE Ends16;
+
+static inline void rc_store3(Vector16 v, int16 lanes, float to[3][16]) {
+  rc_store16(select(rc_load16(0, to[0]), v.x, lanes), 0, to[0]);
+  rc_store16(select(rc_load16(0, to[1]), v.y, lanes), 0, to[1]);
+  rc_store16(select(rc_load16(0, to[2]), v.z, lanes), 0, to[2]);
+}
+static inline float4 rc_lane_of(float from[3][16], uint k) {
+  return (float4)(from[0][k], from[1][k], from[2][k], 0.0f);
+}
+static inline float4 rc_way_of(const Rays16* rays, uint k) {
+  return (float4)(rays->dx[k], rays->dy[k], rays->dz[k], 0.0f);
+}
+
+/* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried. */
+static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surface, uint side, float factor,
+                               const float* carried, float* out) {
+  global const Surface* s = rc_surface(scene, surface);
+  for (uint m = 0; m < RC_SKELETON; m += 16u) {
+    float16 curve = 0.0f;
+    for (uint i = 0; i < 4u; ++i) {
+      if (s->material[i] == 0u || s->fraction[i] == 0.0f) continue;
+      const uint id = rc_curve_id(rc_curve_of_side(side), s->material[i] - 1u, RC_MATERIALS);
+      curve =
+          fma((float16)(s->fraction[i]), vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
+    }
+    vstore16(factor * curve * vload16(0, carried + m), 0, out + m);
+  }
+}
+
+static inline bool rc_is_leaf(const PathTables* t, uint surface) {
+  return RC_SIDES > 1 && t->lobes[surface * RC_LOBES + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
+}
+
+/* How many times Lambert's radiance goes to `out` of light from `in` on the near side. */
+static inline float rc_shape_factor(const PathTables* t, uint surface, float4 normal, float4 in, float4 out) {
+#if RC_SHAPED
+  const Lobe lobe = t->lobes[surface * RC_LOBES];
+  if (lobe.shape != RC_SHAPE_lambert)
+    return rc_shape_eval(lobe.shape, 3.14159265f, lobe.parameter[0], lobe.parameter[1], rc_angles(normal, in, out));
+#endif
+  return 1.0f;
+}
+
+static inline float rc_path_draw(const PathTables* t, const Paths16* paths, uint k, uint level, uint what) {
+  return rc_unit_float(rc_hash(t->seed, paths->number[k], (paths->path[k] << 8) + level, RC_PATH_DIMENSION + what));
+}
+
+/* Points and normals where the live rays ended; every lane's hit is valid or a copy of one that is. */
+__attribute__((noinline)) static void rc_stand(SceneArrays scene, const PathTables* t, const Rays16* rays, uint live, Ends16* ends) {
+  float corner[9][16];
+  uint leaves = 0;
+  const uint first = rc_lowest(live);
+  for (uint k = 0; k < 16u; ++k) {
+    if (!(live >> k & 1u)) ends->instance[k] = ends->instance[first], ends->primitive[k] = ends->primitive[first];
+    const uint primitive = ends->primitive[k];
+    global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
+    for (uint c = 0; c < 9u; ++c) corner[c][k] = at[16u * c];
+    ends->surface[k] = rc_surface_of(scene, primitive);
+    leaves |= rc_is_leaf(t, ends->surface[k]) ? 1u << k : 0u;
+  }
+  Vector16 v[3];
+  for (uint c = 0; c < 3u; ++c) {
+    v[c].x = rc_load16(0, corner[3u * c]);
+    v[c].y = rc_load16(0, corner[3u * c + 1u]);
+    v[c].z = rc_load16(0, corner[3u * c + 2u]);
+  }
+  const Vector16 origin = {rc_load16(0, rays->x), rc_load16(0, rays->y), rc_load16(0, rays->z)};
+  const Vector16 way = {rc_load16(0, rays->dx), rc_load16(0, rays->dy), rc_load16(0, rays->dz)};
+  const Vector16 backwards = {-way.x, -way.y, -way.z};
+  uint left = live;
+  while (left) {
+    const uint instance = ends->instance[rc_lowest(left)];
+    const int16 lanes = rc_load16(0, ends->instance) == instance;
+    left &= ~rc_mask16(lanes);
+    Vector16 there, facing;
+    float16 lift;
+    rc_surface_points(rc_instance(scene, instance), v, origin, way, &there, &facing, &lift);
+    rc_store3(there, lanes, ends->front);
+    rc_store3(facing, lanes, ends->normal);
+    if (!(rc_mask16(lanes) & leaves)) continue;
+    rc_surface_points(rc_instance(scene, instance), v, origin, backwards, &there, &facing, &lift);
+    rc_store3(there, lanes, ends->back);
+  }
+}
+
+/* Sunlight on the ends of the live paths. */
+__attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathTables* t, uint live, Ends16* ends, Paths16* paths) {
+  Rays16 rays;
+  uint of[16], side[16], count = 0;
+  float cosine[16];
+  for (; live; live &= live - 1u) {
+    const uint k = rc_lowest(live);
+    const float facing = rc_dot3(rc_lane_of(ends->normal, k), t->sun);
+    if (!(facing > 0.0f) && !(facing < 0.0f && rc_is_leaf(t, ends->surface[k]))) continue;
+    of[count] = k, side[count] = facing > 0.0f ? 0u : 1u, cosine[count] = fabs(facing);
+    rc_put_ray(&rays, count++, rc_lane_of(facing > 0.0f ? ends->front : ends->back, k), t->sun);
+  }
+  if (!count) return;
+  const uint hidden = rc_first_hidden(scene, &rays, count, RC_NONE, 0u);
+  for (uint i = 0; i < count; ++i) {
+    if (hidden >> i & 1u) continue;
+    const uint k = of[i];
+    float factor = cosine[i];
+    if (side[i] == 0u)
+      factor *= rc_shape_factor(t, ends->surface[k], rc_lane_of(ends->normal, k), t->sun, -rc_way_of(&paths->rays, k));
+    float light[RC_SKELETON];
+    rc_carry_on(scene, t, ends->surface[k], side[i], factor, paths->carried[k], light);
+    for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][0][m] += light[m];
+  }
+}
+
+/* Sky that a path's ray sees: drawn by the cosine, a ray stands for pi sr of it. */
+static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
+  if (!(paths->rays.dz[k] > 0.0f)) return;
+#if RC_GLOW_SOURCES > RC_SUN
+  float light[RC_SKY_PLANES];
+  rc_sky_light(&t->sky, paths->rays.dx[k], paths->rays.dy[k], paths->rays.dz[k], light);
+  for (uint c = 0; c < RC_GLOW_SOURCES - RC_SUN; ++c)
+    for (uint m = 0; m < RC_SKELETON; ++m)
+      paths->gained[k][RC_SUN + c][m] += 3.14159265f * light[c] * paths->carried[k][m];
+#endif
+}
+
+/* From their ends the live paths go on: by one side, chosen by chance, in a direction by the cosine about it. From the
+ * third surface on a path may end, the likelier the less it can carry. Returns those that go on. */
+__attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTables* t, uint live, uint level, Ends16* ends,
+                            Paths16* paths) {
+  uint on = 0;
+  for (; live; live &= live - 1u) {
+    const uint k = rc_lowest(live), surface = ends->surface[k];
+    const float near = t->scattering[surface].x;
+    const bool through = rc_path_draw(t, paths, k, level, 0u) >= near;
+    float chance = through ? 1.0f - near : near;
+    paths->reach[k] *= t->scattering[surface].y;
+    if (level > 1u) {
+      const float goes_on = fmin(1.0f, paths->reach[k]);
+      if (rc_path_draw(t, paths, k, level, 1u) >= goes_on) continue;
+      chance *= goes_on;
+      paths->reach[k] /= goes_on;
+    }
+    const float4 seen = rc_lane_of(ends->normal, k), normal = through ? -seen : seen;
+    float c, s;
+    float x, y, z;
+    rc_turn(rc_path_draw(t, paths, k, level, 3u), &c, &s);
+    rc_about(normal.x, normal.y, normal.z, sqrt(1.0f - rc_path_draw(t, paths, k, level, 2u)), c, s, &x, &y, &z);
+    const float4 way = (float4)(x, y, z, 0.0f);
+    const float shaped = through ? 1.0f : rc_shape_factor(t, surface, seen, way, -rc_way_of(&paths->rays, k));
+    rc_carry_on(scene, t, surface, through ? 1u : 0u, shaped / chance, paths->carried[k], paths->carried[k]);
+    rc_put_ray(&paths->rays, k, rc_lane_of(through ? ends->back : ends->front, k), way);
+    on |= 1u << k;
+  }
+  return on;
+}
+
+/* Follows the paths to their ends, RC_BOUNCES surfaces after the first at most; then their gains are whole. */
+static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* paths) {
+  uint live = (1u << paths->count) - 1u;
+  Ends16 ends;
+  for (uint level = 1; live; ++level) {
+    for (uint left = live; left; left &= left - 1u) {
+      const uint k = rc_lowest(left);
+      const Hit hit = rc_trace_ray(scene, (float4)(paths->rays.x[k], paths->rays.y[k], paths->rays.z[k], 0.0f),
+                                   rc_way_of(&paths->rays, k));
+      ends.instance[k] = hit.instance, ends.primitive[k] = hit.primitive;
+      if (hit.instance != RC_NONE) continue;
+      live &= ~(1u << k);
+      if (level > 1u) rc_gain_sky(t, k, paths); /* else it is light scattered once */
+    }
+    if (!live) return;
+    rc_stand(scene, t, &paths->rays, live, &ends);
+#if RC_SUN
+    if (t->sun_up) rc_gain_sun(scene, t, live, &ends, paths);
+#endif
+    live = rc_go_on(scene, t, live, level, &ends, paths);
+    if (level < RC_BOUNCES) continue;
+    Rays16 rays;
+    uint of[16], count = 0;
+    for (; live; live &= live - 1u) {
+      const uint k = rc_lowest(live);
+      of[count] = k;
+      rc_put_ray(&rays, count++, (float4)(paths->rays.x[k], paths->rays.y[k], paths->rays.z[k], 0.0f),
+                 rc_way_of(&paths->rays, k));
+    }
+    if (!count) return;
+    const uint hidden = rc_first_hidden(scene, &rays, count, RC_NONE, 0u);
+    for (uint i = 0; i < count; ++i)
+      if (!(hidden >> i & 1u)) rc_gain_sky(t, of[i], paths);
+    return;
+  }
+}
+
+#endif

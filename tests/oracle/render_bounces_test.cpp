@@ -1,0 +1,246 @@
+// Light between surfaces (LIGHT 2, 3 and 6) against closed forms: the corner of two endless half planes, a hollow
+// sphere, leaves among leaves; bits that do not depend on tiles, chunks or memory.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+
+#include "atmos_tables/synthetic.h"
+#include "tests/support/render_kit.h"
+#include "tests/support/test_scenes.h"
+
+namespace {
+
+using namespace raycube;
+constexpr double kPi = std::numbers::pi, kSunIrradiance = 1500, kSkyRadiance = 30;
+const std::vector<double> kCentres = {0.45, 0.55, 0.7, 0.86};
+
+/// Mean and standard error of a band over an image's pixels.
+struct Mean {
+  double value = 0, error = 0;
+};
+Mean mean_of(const test::Image& image, int band) {
+  double sum = 0, square = 0;
+  const int count = image.lines * image.pixels;
+  for (int line = 0; line < image.lines; ++line)
+    for (int pixel = 0; pixel < image.pixels; ++pixel) {
+      const double l = image.at(line, pixel, band);
+      sum += l, square += l * l;
+    }
+  const double mean = sum / count;
+  return {mean, std::sqrt(std::max(0.0, square / count - mean * mean) / count)};
+}
+
+/// Within 4.5 of its standard errors, and what the scene's own finite size and facets miss of the closed form.
+void check_mean(const Mean& found, double want, double unlike) {
+  CAPTURE(found.value);
+  CAPTURE(found.error);
+  CAPTURE(want);
+  CHECK(std::abs(found.value - want) < 4.5 * found.error + unlike * want);
+  CHECK(found.error < 0.01 * want);
+}
+
+/// A reflectance that bends: a + b sin(c l), on nodes of 5 nm.
+scene::Curve wavy(double a, double b, double c) {
+  scene::Curve out;
+  for (int i = 0; i <= 220; ++i) {
+    out.wavelength_um.push_back(0.3 + 0.005 * i);
+    out.value.push_back(a + b * std::sin(c * out.wavelength_um.back()));
+  }
+  return out;
+}
+double at(const scene::Curve& curve, double l) {
+  const double x = (l - 0.3) / 0.005;
+  const auto i = static_cast<std::size_t>(x);
+  const double f = x - static_cast<double>(i);
+  return (1 - f) * curve.value[i] + f * curve.value[i + 1];
+}
+/// Mean over a band as narrow as those of `narrow`: the curves are smooth over it.
+std::vector<scene::Band> narrow() { return test::gaussian_bands(kCentres, 0.004); }
+
+constexpr double kFar_m = 2e4;
+
+/// The ground east of an endless wall, seen from above 2 to 3 m before it; the sun 40 degrees from the zenith. The wall
+/// of 20 km lacks 1.5e-4 of its half of the sky.
+struct Corner {
+  scene::Simulation simulation;
+  double sun_azimuth_deg = 90;
+  Corner() {
+    const auto ground = test::add_material(simulation.scene, "ground", 0.5),
+               wall = test::add_material(simulation.scene, "wall", 0.5);
+    simulation.scene.materials[0].reflectance = wavy(0.45, 0.3, 9);
+    simulation.scene.materials[1].reflectance = wavy(0.5, 0.25, 14);
+    test::place(simulation.scene, test::rectangle({0, -kFar_m, 0}, {kFar_m, 0, 0}, {0, 2 * kFar_m, 0}, ground));
+    test::place(simulation.scene, test::rectangle({0, -kFar_m, 0}, {0, 2 * kFar_m, 0}, {0, 0, kFar_m}, wall));
+    finish_top_tree(simulation.scene);
+    simulation.sky_directions = 32;
+    auto camera = test::nadir_camera(24, 24, 20, 0.04, 2.5, 0);
+    camera.bands = narrow();
+    camera.samples_u = camera.samples_v = 4;
+    simulation.instruments = {camera};
+  }
+  test::Image image(int levels, const render::RenderOptions& options = {}) {
+    simulation.bounces = levels;
+    simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = sun_azimuth_deg;
+    atmos::UniformAir air;
+    air.solar_irradiance = [](double) { return kSunIrradiance; };
+    air.sky_radiance = [](double) { return kSkyRadiance; };
+    air.sun_zenith_deg = 40, air.sun_azimuth_deg = sun_azimuth_deg;
+    return test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005)), options);
+  }
+  double rho(int material, double l) const { return at(simulation.scene.materials[material].reflectance, l); }
+};
+
+}  // namespace
+
+TEST_CASE("S16 bounces: the corner of two endless half planes under sun and even sky is a geometric series per band") {
+  // Every point of either plane sees the other in half of its hemisphere, by the cosine, and half of the sky in the
+  // rest: radiosity B_g = rho_g (E_g + B_w / 2), B_w likewise, level by level.
+  for (const int levels : {1, 2, 6}) {
+    Corner corner;
+    const auto image = corner.image(levels);
+    const double c = std::cos(40 * kPi / 180), s = std::sin(40 * kPi / 180), sky = kPi * kSkyRadiance / 2;
+    for (std::size_t b = 0; b < kCentres.size(); ++b) {
+      const double rg = corner.rho(0, kCentres[b]), rw = corner.rho(1, kCentres[b]);
+      double from_wall = rw * (kSunIrradiance * s + sky), from_ground = rg * (kSunIrradiance * c + sky),
+             seen = from_ground;
+      for (int level = 0; level < levels; ++level) {
+        const double ground = rg * from_wall / 2, wall = rw * from_ground / 2;
+        seen += ground, from_ground = ground, from_wall = wall;
+      }
+      CAPTURE(levels);
+      CAPTURE(kCentres[b]);
+      check_mean(mean_of(image, static_cast<int>(b)), seen / kPi, 5e-4);
+    }
+    MESSAGE("skeleton of " << image.plan.bounces.skeleton.size() << " wavelengths, error " << image.plan.bounces.error
+                           << ", amplifies " << image.plan.bounces.amplified);
+  }
+}
+
+TEST_CASE("S23 bounces: through a wall that is a leaf the sun behind it lights the ground") {
+  for (const int levels : {1, 3}) {
+    Corner corner;
+    corner.sun_azimuth_deg = 270;
+    auto& wall = corner.simulation.scene.materials[1];
+    wall.transmittance = wavy(0.2, 0.1, 5);
+    const auto image = corner.image(levels);
+    const double s = std::sin(40 * kPi / 180), sky = kPi * kSkyRadiance / 2;
+    for (std::size_t b = 0; b < kCentres.size(); ++b) {
+      const double rg = corner.rho(0, kCentres[b]), rw = corner.rho(1, kCentres[b]),
+                   tw = at(wall.transmittance, kCentres[b]);
+      double from_wall = rw * sky + tw * (kSunIrradiance * s + sky), from_ground = rg * sky, seen = from_ground;
+      for (int level = 0; level < levels; ++level) {
+        const double ground = rg * from_wall / 2, back = rw * from_ground / 2;
+        seen += ground, from_ground = ground, from_wall = back;
+      }
+      CAPTURE(levels);
+      CAPTURE(kCentres[b]);
+      check_mean(mean_of(image, static_cast<int>(b)), seen / kPi, 5e-4);
+    }
+  }
+}
+
+TEST_CASE("S24 bounces: a leaf spread over the ground is a pile of plates") {
+  // R E + T^2 rho_g (1 + R rho_g + ..) E: two levels for the first of them and two for each that follows.
+  for (const int levels : {1, 2, 4, 12}) {
+    scene::Simulation simulation;
+    const auto ground = test::add_material(simulation.scene, "ground", 0.5),
+               leaf = test::add_material(simulation.scene, "leaf", 0.5);
+    simulation.scene.materials[0].reflectance = wavy(0.5, 0.3, 9);
+    simulation.scene.materials[1].reflectance = wavy(0.3, 0.2, 14);
+    simulation.scene.materials[1].transmittance = wavy(0.3, 0.15, 11);
+    for (const auto& [z, surface] : {std::pair{0.0, ground}, std::pair{1.0, leaf}})
+      test::place(simulation.scene,
+                  test::rectangle({-kFar_m / 4, -kFar_m / 4, z}, {kFar_m / 2, 0, 0}, {0, kFar_m / 2, 0}, surface));
+    finish_top_tree(simulation.scene);
+    simulation.sky_directions = 32;
+    simulation.bounces = levels;
+    simulation.sun.zenith_deg = 35, simulation.sun.azimuth_deg = 150;
+    auto camera = test::nadir_camera(24, 24, 50, 0.5);
+    camera.bands = narrow();
+    camera.samples_u = camera.samples_v = 4;
+    simulation.instruments = {camera};
+    atmos::UniformAir air;
+    air.solar_irradiance = [](double) { return kSunIrradiance; };
+    air.sky_radiance = [](double) { return kSkyRadiance; };
+    air.sun_zenith_deg = 35, air.sun_azimuth_deg = 150;
+    const auto image =
+        test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005)));
+    const double down = kSunIrradiance * std::cos(35 * kPi / 180) + kPi * kSkyRadiance;
+    for (std::size_t b = 0; b < kCentres.size(); ++b) {
+      const double rg = at(simulation.scene.materials[0].reflectance, kCentres[b]),
+                   r = at(simulation.scene.materials[1].reflectance, kCentres[b]),
+                   t = at(simulation.scene.materials[1].transmittance, kCentres[b]);
+      double seen = r, again = t * t * rg;
+      for (int level = 2; level <= levels; level += 2) seen += again, again *= r * rg;
+      CAPTURE(levels);
+      CAPTURE(kCentres[b]);
+      check_mean(mean_of(image, static_cast<int>(b)), seen * down / kPi, 5e-4);
+    }
+  }
+}
+
+TEST_CASE("S16 bounces: in a hollow sphere every point is lit alike by what was scattered") {
+  // The sun shines through a hole in the top; what is seen is the bottom, beside the beam. Of a flux F that enters,
+  // E_1 = rho F / (4 pi r^2) everywhere, and each level more brings rho (1 - hole) times as much.
+  const double radius = 10, zenith = 20 * kPi / 180;
+  const glm::dvec3 sun(std::sin(zenith), 0, std::cos(zenith));
+  scene::Simulation simulation;
+  const auto white = test::add_material(simulation.scene, "white", 0.5);
+  simulation.scene.materials[0].reflectance = wavy(0.6, 0.3, 9);
+  const scene::TriangleMesh sphere = test::sphere(5, radius, 0);
+  scene::TriangleMesh walls{sphere.vertices, {}, {}, {}};
+  double flux = 0, removed_m2 = 0, all_m2 = 0;
+  for (const auto& corner : sphere.triangles) {
+    const auto vertex = [&](int i) {
+      const auto& v = sphere.vertices[corner[static_cast<std::size_t>(i)]];
+      return glm::dvec3(v[0], v[1], v[2]);
+    };
+    const glm::dvec3 area = 0.5 * glm::cross(vertex(1) - vertex(0), vertex(2) - vertex(0));
+    all_m2 += glm::length(area);
+    if ((vertex(0).z + vertex(1).z + vertex(2).z) / 3 < 0.96 * radius) {
+      walls.user_face.push_back(static_cast<std::uint32_t>(walls.triangles.size()));
+      walls.triangles.push_back(corner), walls.surface.push_back(white);
+      continue;
+    }
+    removed_m2 += glm::length(area);
+    flux += kSunIrradiance * glm::dot(area, sun);
+  }
+  test::place(simulation.scene, walls);
+  finish_top_tree(simulation.scene);
+  simulation.sun.zenith_deg = 20, simulation.sun.azimuth_deg = 90;
+  simulation.sky_directions = 128;
+  auto camera = test::nadir_camera(32, 32, 60, 0.03);
+  camera.bands = narrow();
+  camera.samples_u = camera.samples_v = 4;
+  simulation.instruments = {camera};
+  atmos::UniformAir air;
+  air.solar_irradiance = [](double) { return kSunIrradiance; };
+  air.sun_zenith_deg = 20, air.sun_azimuth_deg = 90;
+  const auto table = atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005));
+  for (const int levels : {1, 4, 20}) {
+    simulation.bounces = levels;
+    const auto image = test::render_image(simulation, table);
+    for (std::size_t b = 0; b < kCentres.size(); ++b) {
+      const double rho = at(simulation.scene.materials[0].reflectance, kCentres[b]);
+      double level_light = rho * flux / all_m2, sum = 0;
+      for (int level = 0; level < levels; ++level) sum += level_light, level_light *= rho * (1 - removed_m2 / all_m2);
+      CAPTURE(levels);
+      CAPTURE(kCentres[b]);
+      check_mean(mean_of(image, static_cast<int>(b)), rho * sum / kPi, 1e-3);
+    }
+  }
+}
+
+TEST_CASE("S43 bounces: the same bits for any tile, row capacity and memory") {
+  Corner corner;
+  const auto whole = corner.image(3);
+  render::RenderOptions lines;
+  lines.tile_lines = 5;
+  CHECK(corner.image(3, lines).radiance == whole.radiance);
+  render::RenderOptions little;
+  little.memory_bytes = std::size_t{32} << 20;
+  CHECK(corner.image(3, little).radiance == whole.radiance);
+}
