@@ -88,8 +88,11 @@ static inline float rc_path_draw(const PathTables* t, const Paths16* paths, uint
   return rc_unit_float(rc_hash(t->seed, paths->number[k], (paths->path[k] << 8) + level, RC_PATH_DIMENSION + what));
 }
 
-/* Points and normals where the live rays ended; every lane's hit is valid or a copy of one that is. */
-__attribute__((noinline)) static void rc_stand(SceneArrays scene, const PathTables* t, const Rays16* rays, uint live, Ends16* ends) {
+/* The next three are not inlined: made into one function with rc_follow, PoCL 3.1 (LLVM 15) builds a kernel that does
+ * not end. Why is not known.
+ * Points and normals where the live rays ended; every lane's hit is valid or a copy of one that is. */
+__attribute__((noinline)) static void rc_stand(SceneArrays scene, const PathTables* t, const Rays16* rays, uint live,
+                                               Ends16* ends) {
   float corner[9][16];
   uint leaves = 0;
   const uint first = rc_lowest(live);
@@ -127,7 +130,8 @@ __attribute__((noinline)) static void rc_stand(SceneArrays scene, const PathTabl
 }
 
 /* Sunlight on the ends of the live paths. */
-__attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathTables* t, uint live, Ends16* ends, Paths16* paths) {
+__attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathTables* t, uint live, Ends16* ends,
+                                                  Paths16* paths) {
   Rays16 rays;
   uint of[16], side[16], count = 0;
   float cosine[16];
@@ -166,8 +170,8 @@ static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
 
 /* From their ends the live paths go on: by one side, chosen by chance, in a direction by the cosine about it. From the
  * third surface on a path may end, the likelier the less it can carry. Returns those that go on. */
-__attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTables* t, uint live, uint level, Ends16* ends,
-                            Paths16* paths) {
+__attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTables* t, uint live, uint level,
+                                               Ends16* ends, Paths16* paths) {
   uint on = 0;
   for (; live; live &= live - 1u) {
     const uint k = rc_lowest(live), surface = ends->surface[k];
