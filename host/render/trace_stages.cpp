@@ -130,6 +130,10 @@ struct TraceStages::State {
   shared::rc_float4 sun_direction() const {
     return {plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2], 0};
   }
+  shared::rc_float4 sun_azimuth() const {
+    const double azimuth = plan.sky.sun_azimuth_rad;
+    return {static_cast<float>(std::sin(azimuth)), static_cast<float>(std::cos(azimuth)), 0, 0};
+  }
   shared::rc_float4 skyline_frame() const {
     return {buffers.skyline.x_m, buffers.skyline.y_m, buffers.skyline.per_cell, 0};
   }
@@ -151,74 +155,70 @@ struct TraceStages::State {
   }
   const cl::Kernel& sky_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
     const SkyDensity law = plan::sky_density(plan);
-    const double azimuth = plan.sky.sun_azimuth_rad;
-    return sky.arguments(TraceSkyArguments{
-        .nodes = buffers.nodes,
-        .blocks = buffers.blocks,
-        .instances = buffers.instances,
-        .groups = traced.groups,
-        .hits = traced.hits,
-        .surface = traced.surface,
-        .skyline_cells = buffers.skyline_cells,
-        .skyline_frame = skyline_frame(),
-        .skyline_instance = buffers.skyline.instance,
-        .skyline_columns = buffers.skyline.columns,
-        .skyline_rows = buffers.skyline.rows,
-        .open_share = open_share,
-        .sky_map = sky_map.solar,
-        .sky_zenith = sky_map.zenith,
-        .sky_azimuth = sky_map.azimuth,
-        .zeniths = static_cast<cl_uint>(plan.sky_basis.zenith_rad.size()),
-        .azimuths = static_cast<cl_uint>(plan.sky_basis.azimuth_rad.size()),
-        .thermal_map = sky_map.thermal,
-        .thermal_zenith = sky_map.thermal_zenith,
-        .thermal_zeniths = static_cast<cl_uint>(plan.thermal.basis.zenith_rad.size()),
-        .sun_azimuth =
-            shared::rc_float4{static_cast<float>(std::sin(azimuth)), static_cast<float>(std::cos(azimuth)), 0, 0},
-        .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
-        .sun_direction = sun_direction(),
-        .rays = static_cast<cl_uint>(plan.sky.rays),
-        .seed = plan.sky.hash_seed(seed, sky_draw),
-        .columns = layout.columns,
-        .first_sample = first_sample(chunk),
-        .sample_count = sample_count(chunk),
-        .met_sky = traced.met_sky});
+    return sky.arguments(
+        TraceSkyArguments{.nodes = buffers.nodes,
+                          .blocks = buffers.blocks,
+                          .instances = buffers.instances,
+                          .groups = traced.groups,
+                          .hits = traced.hits,
+                          .surface = traced.surface,
+                          .skyline_cells = buffers.skyline_cells,
+                          .skyline_frame = skyline_frame(),
+                          .skyline_instance = buffers.skyline.instance,
+                          .skyline_columns = buffers.skyline.columns,
+                          .skyline_rows = buffers.skyline.rows,
+                          .open_share = open_share,
+                          .sky_map = sky_map.solar,
+                          .sky_zenith = sky_map.zenith,
+                          .sky_azimuth = sky_map.azimuth,
+                          .zeniths = static_cast<cl_uint>(plan.sky_basis.zenith_rad.size()),
+                          .azimuths = static_cast<cl_uint>(plan.sky_basis.azimuth_rad.size()),
+                          .thermal_map = sky_map.thermal,
+                          .thermal_zenith = sky_map.thermal_zenith,
+                          .thermal_zeniths = static_cast<cl_uint>(plan.thermal.basis.zenith_rad.size()),
+                          .sun_azimuth = sun_azimuth(),
+                          .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
+                          .sun_direction = sun_direction(),
+                          .rays = static_cast<cl_uint>(plan.sky.rays),
+                          .seed = plan.sky.hash_seed(seed, sky_draw),
+                          .columns = layout.columns,
+                          .first_sample = first_sample(chunk),
+                          .sample_count = sample_count(chunk),
+                          .met_sky = traced.met_sky});
   }
 
   const cl::Kernel& paths_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
-    const double azimuth = plan.sky.sun_azimuth_rad;
     paths->load(context, chunk, first_sample(chunk), sample_count(chunk));
-    return paths->kernel.arguments(TraceBounceArguments{
-        .nodes = buffers.nodes,
-        .blocks = buffers.blocks,
-        .instances = buffers.instances,
-        .surfaces = buffers.surfaces,
-        .lobes = buffers.lobes,
-        .scattering = paths->scattering,
-        .skeleton_curve = paths->curve,
-        .groups = traced.groups,
-        .hits = traced.hits,
-        .surface = traced.surface,
-        .sky_map = sky_map.solar,
-        .sky_zenith = sky_map.zenith,
-        .sky_azimuth = sky_map.azimuth,
-        .zeniths = static_cast<cl_uint>(plan.sky_basis.zenith_rad.size()),
-        .azimuths = static_cast<cl_uint>(plan.sky_basis.azimuth_rad.size()),
-        .thermal_map = sky_map.thermal,
-        .thermal_zenith = sky_map.thermal_zenith,
-        .thermal_zeniths = static_cast<cl_uint>(plan.thermal.basis.zenith_rad.size()),
-        .sun_azimuth =
-            shared::rc_float4{static_cast<float>(std::sin(azimuth)), static_cast<float>(std::cos(azimuth)), 0, 0},
-        .sun_direction = sun_direction(),
-        .sun_up = cl_uint{plan.sun_up},
-        .chunk_weight = paths->weight,
-        .sample_total = static_cast<float>(shape.samples),
-        .paths = static_cast<cl_uint>(plan.paths()),
-        .seed = plan.sky.hash_seed(seed, sky_draw),
-        .columns = layout.columns,
-        .first_sample = first_sample(chunk),
-        .sample_count = sample_count(chunk),
-        .glow = traced.glow});
+    return paths->kernel.arguments(
+        TraceBounceArguments{.nodes = buffers.nodes,
+                             .blocks = buffers.blocks,
+                             .instances = buffers.instances,
+                             .surfaces = buffers.surfaces,
+                             .lobes = buffers.lobes,
+                             .scattering = paths->scattering,
+                             .skeleton_curve = paths->curve,
+                             .groups = traced.groups,
+                             .hits = traced.hits,
+                             .surface = traced.surface,
+                             .sky_map = sky_map.solar,
+                             .sky_zenith = sky_map.zenith,
+                             .sky_azimuth = sky_map.azimuth,
+                             .zeniths = static_cast<cl_uint>(plan.sky_basis.zenith_rad.size()),
+                             .azimuths = static_cast<cl_uint>(plan.sky_basis.azimuth_rad.size()),
+                             .thermal_map = sky_map.thermal,
+                             .thermal_zenith = sky_map.thermal_zenith,
+                             .thermal_zeniths = static_cast<cl_uint>(plan.thermal.basis.zenith_rad.size()),
+                             .sun_azimuth = sun_azimuth(),
+                             .sun_direction = sun_direction(),
+                             .sun_up = cl_uint{plan.sun_up},
+                             .chunk_weight = paths->weight,
+                             .sample_total = static_cast<float>(shape.samples),
+                             .paths = static_cast<cl_uint>(plan.paths()),
+                             .seed = plan.sky.hash_seed(seed, sky_draw),
+                             .columns = layout.columns,
+                             .first_sample = first_sample(chunk),
+                             .sample_count = sample_count(chunk),
+                             .glow = traced.glow});
   }
 
   const cl::Context& context;
