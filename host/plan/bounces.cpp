@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Dense>
+#include <fmt/format.h>
 
 #include "host/plan/curve.h"
 #include "kernels/sampling/sampler.h"
@@ -22,6 +23,7 @@ constexpr std::size_t kMostRows = 600;
 constexpr std::size_t kMostWavelengths = 128, kStep = 16;
 constexpr double kNothingLeft = 1e-12;        ///< of the largest column: rounding of what has been taken out
 constexpr double kFewest = 0.1, kMost = 0.9;  ///< chance of the side by which a path leaves a leaf
+constexpr double kMostAmplified = 4;          ///< that the skeleton may make of noise
 constexpr std::uint32_t kTraining = 61, kJudging = 62;
 
 /// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums.
@@ -205,6 +207,11 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
     plan.bounces = {};
     return;
   }
+  if (plan.bounces.error > share || plan.bounces.amplified > kMostAmplified)
+    plan.notices.push_back(fmt::format(
+        "light between surfaces: {} wavelengths along paths tell those between them to {:.2g} % of that light (asked: "
+        "{:.2g} %), and its noise grows by at most {:.2g}; fewer materials, or fewer bounces, would do better",
+        plan.bounces.skeleton.size(), 100 * plan.bounces.error, 100 * share, plan.bounces.amplified));
   sample_skeleton(plan.bounces, plan, scene);
   find_scattering(plan.bounces, scene);
 }

@@ -100,6 +100,12 @@ nlohmann::json plan_json(const Plan& plan) {
       {"sky", sky_json(plan)},
       {"adjacency", ground_json(plan)},
       {"node_errors", to_json(report.axes)}};
+  if (const Bounces& b = plan.bounces; b.levels > 0) {
+    Json skeleton = Json::array();
+    for (const std::size_t i : b.skeleton) skeleton.push_back(plan.wavelength_um[i]);
+    out["bounces"] = {
+        {"levels", b.levels}, {"skeleton_um", skeleton}, {"skeleton_error", b.error}, {"amplified", b.amplified}};
+  }
   if (report.given.any()) {
     Json given = Json::object();
     for (const auto& [key, value] : given_overrides(report.given)) given[key] = value;

@@ -34,20 +34,31 @@ constexpr int kVersion = 2;
                                 path, name, planned, key, given, key, path));
 }
 
+double mean_of(const std::vector<std::vector<double>>& spectra) {
+  double sum = 0, count = 0;
+  for (const auto& spectrum : spectra)
+    for (const double value : spectrum) sum += value, ++count;
+  return count > 0 ? sum / count : 0;
+}
+
 }  // namespace
 
 nlohmann::json axes_json(const plan::Plan& plan) {
-  return Json{{"height_nodes", plan.height.count},
-              {"view_nodes", plan.view.count},
-              {"path_x_nodes", plan.path_x.count},
-              {"path_y_nodes", plan.path_y.count},
-              {"sun_sources", plan.sun_sources},
-              {"sky_components", plan.sky_components},
-              {"thermal_sky_components", plan.thermal.sky_components},
-              {"temperature_nodes", plan.thermal.nodes()},
-              {"environment_nodes", plan.environment.nodes()},
-              {"wavelengths", plan.wavelength_um.size()},
-              {"bands", plan.bands.size()}};
+  return Json{
+      {"height_nodes", plan.height.count},
+      {"view_nodes", plan.view.count},
+      {"path_x_nodes", plan.path_x.count},
+      {"path_y_nodes", plan.path_y.count},
+      {"sun_sources", plan.sun_sources},
+      {"sky_components", plan.sky_components},
+      {"thermal_sky_components", plan.thermal.sky_components},
+      {"temperature_nodes", plan.thermal.nodes()},
+      {"environment_nodes", plan.environment.nodes()},
+      {"wavelengths", plan.wavelength_um.size()},
+      {"bands", plan.bands.size()},
+      {"bounces", plan.bounces.levels},
+      {"sun", fmt::format("{:.5f} {:.5f} {:.5f}", plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2])},
+      {"light", fmt::format("{:.4g} {:.4g}", mean_of(plan.source_spectrum), mean_of(plan.path_spectrum))}};
 }
 
 std::string write_plan_file(const PlanFile& file) {
@@ -200,8 +211,9 @@ Decision replayed(const PlanFile::Entry& entry, std::vector<std::string> changes
   require_applicable(entry, simulation, instrument, plan, path);
   // The nodes depend on the scene too: named only where nothing else is.
   if (changes.empty() && entry.axes != axes_json(plan))
-    changes.push_back(fmt::format("nodes and components {}, not {}: air, instrument or [plan] have changed since",
-                                  entry.axes.dump(), axes_json(plan).dump()));
+    changes.push_back(
+        fmt::format("nodes and components, sun and light {}, not {}: sun, air, instrument or [plan] have changed since",
+                    entry.axes.dump(), axes_json(plan).dump()));
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
   out.sampling.first_samples = instrument.first_samples;

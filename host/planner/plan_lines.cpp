@@ -236,6 +236,11 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
                                       : "local environment of each pixel",
                    false});
   add_sampling_lines(lines, d, plan);
+  if (const plan::Bounces& b = plan.bounces; b.levels > 0)
+    lines.push_back({"between surfaces", fmt::format("{} more", plural(static_cast<std::size_t>(b.levels), "surface")),
+                     b.error, -1,
+                     fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")),
+                     "the file asks for them; the error is the wavelengths', of that light alone", true});
   return lines;
 }
 

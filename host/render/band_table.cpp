@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::size_t kWritten_bytes = std::size_t{1} << 20;  ///< rows that are written to the device together
 
+std::size_t without(std::size_t bytes, std::size_t taken) { return bytes - std::min(bytes, taken); }
+
 std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t most) {
   return std::min(std::max(bytes / row_bytes, kFewestRows), std::max<std::size_t>(2, most));
 }
@@ -27,7 +29,8 @@ BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& sce
       plan_(plan),
       row_floats_(static_cast<std::size_t>(shape.channels) * shape.bands_padded),
       channel_floats_(shape.bands_padded),
-      capacity_(rows_that_fit(std::min<std::size_t>(bytes, context.device().info().max_alloc_bytes),
+      capacity_(rows_that_fit(without(std::min<std::size_t>(bytes, context.device().info().max_alloc_bytes),
+                                      plan.bounces.skeleton.size() * row_floats_ * sizeof(float)),
                               row_floats_ * sizeof(float), most_rows(scene, plan))),
       values_(context, (capacity_ + plan.bounces.skeleton.size()) * row_floats_, cl::Access::read_only, "band table"),
       keys_(context, capacity_, cl::Access::read_only, "keys of the band table"),

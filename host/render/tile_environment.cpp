@@ -38,11 +38,7 @@ void TileWorker::add_environment(std::uint32_t pixel, const float* truth_sums, c
                                  std::vector<double>& radiance) const {
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
-  const auto d = centre_direction(pixel);
-  int view;
-  float fraction;
-  rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), plan.view.first,
-                  plan.view.step, plan.view.count, &view, &fraction);
+  const auto [view, fraction] = view_nodes(pixel);
   for (const auto& node : environment_of(pixel, truth_sums)) {
     if (node.weight == 0) continue;
     const auto baked = plan::bake_row(plan, setup_.scene, plan::kEnvironmentKey | node.node);

@@ -1,9 +1,7 @@
 // Light between surfaces of a pixel that is summed on the host.
 #include <algorithm>
-#include <cmath>
 
 #include "host/render/tile_worker.h"
-#include "kernels/atmosphere/nodes.h"
 #include "kernels/shared/tile_layout.h"
 
 namespace raycube::render {
@@ -11,11 +9,7 @@ namespace raycube::render {
 void TileWorker::add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance) {
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
-  const auto d = centre_direction(pixel);
-  int view;
-  float fraction;
-  rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), plan.view.first,
-                  plan.view.step, plan.view.count, &view, &fraction);
+  const auto [view, fraction] = view_nodes(pixel);
   const auto sources = static_cast<std::size_t>(shape.glow_sources()),
              padded = static_cast<std::size_t>(shape.skeleton_padded());
   std::vector<double> sum(sources * padded, 0.0);

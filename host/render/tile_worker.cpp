@@ -75,6 +75,15 @@ std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {
   return {g.d0.x + a * g.du.x, g.d0.y + a * g.du.y, g.d0.z + a * g.du.z};
 }
 
+std::pair<int, float> TileWorker::view_nodes(std::uint32_t pixel) const {
+  const plan::NodeAxis& view = setup_.plan.view;
+  const auto d = centre_direction(pixel);
+  std::pair<int, float> out;
+  rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), view.first, view.step,
+                  view.count, &out.first, &out.second);
+  return out;
+}
+
 std::size_t TileWorker::material_of_key(std::uint64_t key) const {
   return scene::material_of_curve(setup_.scene, rc_key_curve(key, 0));
 }
@@ -331,9 +340,9 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
       timed("shade", [&] { row_stages_.shade({1, &list}, layout_, traced_, chunk, sensors::kAllSamples, true, rows); });
       const auto d = centre_direction(flagged[f]);
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-      int iv, ix, iy;
-      float fv, fx, fy;
-      rc_node_weights(static_cast<float>(-length / d[2]), plan.view.first, plan.view.step, plan.view.count, &iv, &fv);
+      const auto [iv, fv] = view_nodes(flagged[f]);
+      int ix, iy;
+      float fx, fy;
       rc_node_weights(static_cast<float>(-d[0] / length), plan.path_x.first, plan.path_x.step, plan.path_x.count, &ix,
                       &fx);
       rc_node_weights(static_cast<float>(-d[1] / length), plan.path_y.first, plan.path_y.step, plan.path_y.count, &iy,

@@ -72,6 +72,8 @@ class TileWorker {
   /// The same for a pixel summed on the host; path: its weights at the height nodes.
   void add_environment(std::uint32_t pixel, const float* truth_sums, const std::vector<double>& path,
                        std::vector<double>& radiance) const;
+  /// The lower of the plan's two view nodes around a pixel's centre ray, and the other's weight.
+  std::pair<int, float> view_nodes(std::uint32_t pixel) const;
   /// Light between surfaces of such a pixel.
   void add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance);
   std::vector<std::uint32_t> relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset,

@@ -5,7 +5,7 @@
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/scene_arrays.h"
-#include "kernels/geometry/surface_point.h"
+#include "kernels/geometry/surface_side.h"
 #include "kernels/light/far_side.h"
 #include "kernels/shared/camera_arguments.h"
 
@@ -60,8 +60,9 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
         g.direction[1][k] = d.y;
         g.direction[2][k] = d.z;
       }
-      Vector16 v[3], position = {0.0f, 0.0f, 0.0f}, normal = {0.0f, 0.0f, 0.0f};
-      float16 moved = 0.0f;
+      Vector16 v[3];
+      SurfaceSide16 near;
+      rc_clear_side(&near);
       for (uint c = 0; c < 3u; ++c) {
         v[c].x = rc_load16(0, g.corner[3u * c]);
         v[c].y = rc_load16(0, g.corner[3u * c + 1u]);
@@ -73,48 +74,27 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
 #if RC_SIDES > 1
       const uint through = rc_let_through(scene, lobes, in);
       const Vector16 backwards = {-direction.x, -direction.y, -direction.z};
-      Vector16 far_position = {0.0f, 0.0f, 0.0f}, far_normal = {0.0f, 0.0f, 0.0f};
-      float16 far_moved = 0.0f;
+      SurfaceSide16 far;
+      rc_clear_side(&far);
 #endif
       while (left) { /* one instance after the other: its matrices are shared */
         const uint instance = in[rc_lowest(left)];
         const int16 lanes = rc_load16(0, in) == instance;
         left &= ~rc_mask16(lanes);
-        Vector16 there, facing;
-        float16 reach;
-        rc_surface_points(rc_instance(scene, instance), v, origin, direction, &there, &facing, &reach);
-        position.x = select(position.x, there.x, lanes);
-        position.y = select(position.y, there.y, lanes);
-        position.z = select(position.z, there.z, lanes);
-        normal.x = select(normal.x, facing.x, lanes);
-        normal.y = select(normal.y, facing.y, lanes);
-        normal.z = select(normal.z, facing.z, lanes);
-        moved = select(moved, reach, lanes);
+        rc_find_side(rc_instance(scene, instance), v, origin, direction, lanes, &near);
 #if RC_SIDES > 1
-        if (!(rc_mask16(lanes) & through)) continue;
-        const int16 leaves = lanes & rc_bits16(through);
-        rc_surface_points(rc_instance(scene, instance), v, origin, backwards, &there, &facing, &reach);
-        far_position.x = select(far_position.x, there.x, leaves);
-        far_position.y = select(far_position.y, there.y, leaves);
-        far_position.z = select(far_position.z, there.z, leaves);
-        far_normal.x = select(far_normal.x, facing.x, leaves);
-        far_normal.y = select(far_normal.y, facing.y, leaves);
-        far_normal.z = select(far_normal.z, facing.z, leaves);
-        far_moved = select(far_moved, reach, leaves);
+        if (rc_mask16(lanes) & through)
+          rc_find_side(rc_instance(scene, instance), v, origin, backwards, lanes & rc_bits16(through), &far);
 #endif
       }
-      rc_store16(position.x, 0, out + RC_PLANE(RC_POINT_X));
-      rc_store16(position.y, 0, out + RC_PLANE(RC_POINT_Y));
-      rc_store16(position.z, 0, out + RC_PLANE(RC_POINT_Z));
-      rc_store16(normal.x, 0, out + RC_PLANE(RC_NORMAL_X));
-      rc_store16(normal.y, 0, out + RC_PLANE(RC_NORMAL_Y));
-      rc_store16(normal.z, 0, out + RC_PLANE(RC_NORMAL_Z));
+      global float* moved = lift + RC_LIFT_AT(place.pixel + p) + word * 16u;
+      rc_store_side(&near, out, moved);
 #if RC_SHAPED
       rc_store_shapes(scene, lobes, in, direction, out);
 #endif
-      rc_store16(moved, 0, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
 #if RC_SIDES > 1
-      rc_store_far_side(far_position, far_normal, far_moved, out, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
+      rc_store_side(&far, out + RC_NEAR_SAMPLES, moved + RC_NEAR_SAMPLES);
+      rc_clear_shapes(out + RC_NEAR_SAMPLES);
 #endif
     }
 }

@@ -6,7 +6,7 @@
 
 #include "kernels/geometry/any_hits16.h"
 #include "kernels/geometry/ray_trace.h"
-#include "kernels/geometry/surface_point.h"
+#include "kernels/geometry/surface_side.h"
 #include "kernels/light/sky_map.h"
 #include "kernels/materials/shapes.h"
 #include "kernels/sampling/sky_rays.h"
@@ -42,10 +42,10 @@ typedef struct Ends16 {
   uint instance[16], primitive[16], surface[16];
 } RC_LINE Ends16;
 
-static inline void rc_store3(Vector16 v, int16 lanes, float to[3][16]) {
-  rc_store16(select(rc_load16(0, to[0]), v.x, lanes), 0, to[0]);
-  rc_store16(select(rc_load16(0, to[1]), v.y, lanes), 0, to[1]);
-  rc_store16(select(rc_load16(0, to[2]), v.z, lanes), 0, to[2]);
+static inline void rc_store3(Vector16 v, float to[3][16]) {
+  rc_store16(v.x, 0, to[0]);
+  rc_store16(v.y, 0, to[1]);
+  rc_store16(v.z, 0, to[2]);
 }
 static inline float4 rc_lane_of(float from[3][16], uint k) {
   return (float4)(from[0][k], from[1][k], from[2][k], 0.0f);
@@ -113,20 +113,20 @@ __attribute__((noinline)) static void rc_stand(SceneArrays scene, const PathTabl
   const Vector16 origin = {rc_load16(0, rays->x), rc_load16(0, rays->y), rc_load16(0, rays->z)};
   const Vector16 way = {rc_load16(0, rays->dx), rc_load16(0, rays->dy), rc_load16(0, rays->dz)};
   const Vector16 backwards = {-way.x, -way.y, -way.z};
+  SurfaceSide16 front, back;
+  rc_clear_side(&front);
+  rc_clear_side(&back);
   uint left = live;
   while (left) {
     const uint instance = ends->instance[rc_lowest(left)];
     const int16 lanes = rc_load16(0, ends->instance) == instance;
     left &= ~rc_mask16(lanes);
-    Vector16 there, facing;
-    float16 lift;
-    rc_surface_points(rc_instance(scene, instance), v, origin, way, &there, &facing, &lift);
-    rc_store3(there, lanes, ends->front);
-    rc_store3(facing, lanes, ends->normal);
-    if (!(rc_mask16(lanes) & leaves)) continue;
-    rc_surface_points(rc_instance(scene, instance), v, origin, backwards, &there, &facing, &lift);
-    rc_store3(there, lanes, ends->back);
+    rc_find_side(rc_instance(scene, instance), v, origin, way, lanes, &front);
+    if (rc_mask16(lanes) & leaves) rc_find_side(rc_instance(scene, instance), v, origin, backwards, lanes, &back);
   }
+  rc_store3(front.position, ends->front);
+  rc_store3(front.normal, ends->normal);
+  rc_store3(back.position, ends->back);
 }
 
 /* Sunlight on the ends of the live paths. */

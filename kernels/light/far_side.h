@@ -2,8 +2,8 @@
 #ifndef RAYCUBE_KERNELS_LIGHT_FAR_SIDE_H
 #define RAYCUBE_KERNELS_LIGHT_FAR_SIDE_H
 
+#include "kernels/geometry/lanes.h"
 #include "kernels/geometry/scene_arrays.h"
-#include "kernels/geometry/surface_point.h"
 /* Here and not where RC_SHAPED asks for it: a program has each file once. */
 #include "kernels/materials/shapes.h"
 
@@ -19,19 +19,10 @@ static inline uint rc_let_through(SceneArrays scene, global const Lobe* lobes, g
   return through;
 }
 
-/* The far side's slots of a word; of opaque surfaces, and in the planes of shapes, they are zero: Lambert's law. */
-static inline void rc_store_far_side(Vector16 position, Vector16 normal, float16 moved, global float* surface,
-                                     global float* lift) {
-  global float* out = surface + RC_NEAR_SAMPLES;
+/* The planes of shapes in a word's slots: zero is Lambert's law. */
+static inline void rc_clear_shapes(global float* surface) {
   for (uint plane = RC_NORMAL_Z + 1; plane < RC_POINT_PLANES; ++plane)
-    rc_store16((float16)(0.0f), 0, out + RC_PLANE(plane));
-  rc_store16(position.x, 0, out + RC_PLANE(RC_POINT_X));
-  rc_store16(position.y, 0, out + RC_PLANE(RC_POINT_Y));
-  rc_store16(position.z, 0, out + RC_PLANE(RC_POINT_Z));
-  rc_store16(normal.x, 0, out + RC_PLANE(RC_NORMAL_X));
-  rc_store16(normal.y, 0, out + RC_PLANE(RC_NORMAL_Y));
-  rc_store16(normal.z, 0, out + RC_PLANE(RC_NORMAL_Z));
-  rc_store16(moved, 0, lift + RC_NEAR_SAMPLES);
+    rc_store16((float16)(0.0f), 0, surface + RC_PLANE(plane));
 }
 #endif
 

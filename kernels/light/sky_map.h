@@ -7,11 +7,11 @@
 #include "kernels/shared/tile_layout.h"
 
 typedef struct SkyMap {
-  global const float4* solar;                   /* [zenith][azimuth], components 0 .. 3, sr-1 */
+  global const float4* solar; /* [zenith][azimuth], components 0 .. 3, sr-1 */
   /* Nodes, ascending, then INFINITY up to whole words of 16; azimuths from the sun's, to either side. */
   global const float *zenith_rad, *azimuth_rad;
-  uint zeniths, azimuths;                       /* at least 2 of each */
-  global const float4* thermal;                 /* [zenith], the thermal sky's components */
+  uint zeniths, azimuths;       /* at least 2 of each */
+  global const float4* thermal; /* [zenith], the thermal sky's components */
   global const float* thermal_zenith_rad;
   uint thermal_zeniths;
   float4 sun_azimuth; /* sin, cos of the azimuth from which the maps' counts, from north */

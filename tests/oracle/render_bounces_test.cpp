@@ -60,6 +60,29 @@ double at(const scene::Curve& curve, double l) {
 /// Mean over a band as narrow as those of `narrow`: the curves are smooth over it.
 std::vector<scene::Band> narrow() { return test::gaussian_bands(kCentres, 0.004); }
 
+/// Renders under a sun at this place and an even sky, through air that does nothing.
+test::Image lit(scene::Simulation& simulation, int levels, double zenith_deg, double azimuth_deg, double sky_radiance,
+                const render::RenderOptions& options = {}) {
+  simulation.bounces = levels;
+  simulation.sun.zenith_deg = zenith_deg, simulation.sun.azimuth_deg = azimuth_deg;
+  atmos::UniformAir air;
+  air.solar_irradiance = [](double) { return kSunIrradiance; };
+  air.sky_radiance = [=](double) { return sky_radiance; };
+  air.sun_zenith_deg = zenith_deg, air.sun_azimuth_deg = azimuth_deg;
+  return test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005)), options);
+}
+
+/// Radiosity of two half planes that each see half of the other, first order in `a` and `b`: the sum over so many
+/// levels of what leaves the first.
+double exchanged(double a, double b, double rho_a, double rho_b, int levels) {
+  double sum = a;
+  for (int level = 0; level < levels; ++level) {
+    const double next_a = rho_a * b / 2, next_b = rho_b * a / 2;
+    sum += next_a, a = next_a, b = next_b;
+  }
+  return sum;
+}
+
 constexpr double kFar_m = 2e4;
 
 /// The ground east of an endless wall, seen from above 2 to 3 m before it; the sun 40 degrees from the zenith. The wall
@@ -82,13 +105,7 @@ struct Corner {
     simulation.instruments = {camera};
   }
   test::Image image(int levels, const render::RenderOptions& options = {}) {
-    simulation.bounces = levels;
-    simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = sun_azimuth_deg;
-    atmos::UniformAir air;
-    air.solar_irradiance = [](double) { return kSunIrradiance; };
-    air.sky_radiance = [](double) { return kSkyRadiance; };
-    air.sun_zenith_deg = 40, air.sun_azimuth_deg = sun_azimuth_deg;
-    return test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005)), options);
+    return lit(simulation, levels, 40, sun_azimuth_deg, kSkyRadiance, options);
   }
   double rho(int material, double l) const { return at(simulation.scene.materials[material].reflectance, l); }
 };
@@ -104,12 +121,7 @@ TEST_CASE("S16 bounces: the corner of two endless half planes under sun and even
     const double c = std::cos(40 * kPi / 180), s = std::sin(40 * kPi / 180), sky = kPi * kSkyRadiance / 2;
     for (std::size_t b = 0; b < kCentres.size(); ++b) {
       const double rg = corner.rho(0, kCentres[b]), rw = corner.rho(1, kCentres[b]);
-      double from_wall = rw * (kSunIrradiance * s + sky), from_ground = rg * (kSunIrradiance * c + sky),
-             seen = from_ground;
-      for (int level = 0; level < levels; ++level) {
-        const double ground = rg * from_wall / 2, wall = rw * from_ground / 2;
-        seen += ground, from_ground = ground, from_wall = wall;
-      }
+      const double seen = exchanged(rg * (kSunIrradiance * c + sky), rw * (kSunIrradiance * s + sky), rg, rw, levels);
       CAPTURE(levels);
       CAPTURE(kCentres[b]);
       check_mean(mean_of(image, static_cast<int>(b)), seen / kPi, 5e-4);
@@ -130,11 +142,7 @@ TEST_CASE("S23 bounces: through a wall that is a leaf the sun behind it lights t
     for (std::size_t b = 0; b < kCentres.size(); ++b) {
       const double rg = corner.rho(0, kCentres[b]), rw = corner.rho(1, kCentres[b]),
                    tw = at(wall.transmittance, kCentres[b]);
-      double from_wall = rw * sky + tw * (kSunIrradiance * s + sky), from_ground = rg * sky, seen = from_ground;
-      for (int level = 0; level < levels; ++level) {
-        const double ground = rg * from_wall / 2, back = rw * from_ground / 2;
-        seen += ground, from_ground = ground, from_wall = back;
-      }
+      const double seen = exchanged(rg * sky, rw * sky + tw * (kSunIrradiance * s + sky), rg, rw, levels);
       CAPTURE(levels);
       CAPTURE(kCentres[b]);
       check_mean(mean_of(image, static_cast<int>(b)), seen / kPi, 5e-4);
@@ -156,18 +164,11 @@ TEST_CASE("S24 bounces: a leaf spread over the ground is a pile of plates") {
                   test::rectangle({-kFar_m / 4, -kFar_m / 4, z}, {kFar_m / 2, 0, 0}, {0, kFar_m / 2, 0}, surface));
     finish_top_tree(simulation.scene);
     simulation.sky_directions = 32;
-    simulation.bounces = levels;
-    simulation.sun.zenith_deg = 35, simulation.sun.azimuth_deg = 150;
     auto camera = test::nadir_camera(24, 24, 50, 0.5);
     camera.bands = narrow();
     camera.samples_u = camera.samples_v = 4;
     simulation.instruments = {camera};
-    atmos::UniformAir air;
-    air.solar_irradiance = [](double) { return kSunIrradiance; };
-    air.sky_radiance = [](double) { return kSkyRadiance; };
-    air.sun_zenith_deg = 35, air.sun_azimuth_deg = 150;
-    const auto image =
-        test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005)));
+    const auto image = lit(simulation, levels, 35, 150, kSkyRadiance);
     const double down = kSunIrradiance * std::cos(35 * kPi / 180) + kPi * kSkyRadiance;
     for (std::size_t b = 0; b < kCentres.size(); ++b) {
       const double rg = at(simulation.scene.materials[0].reflectance, kCentres[b]),
@@ -210,19 +211,13 @@ TEST_CASE("S16 bounces: in a hollow sphere every point is lit alike by what was 
   }
   test::place(simulation.scene, walls);
   finish_top_tree(simulation.scene);
-  simulation.sun.zenith_deg = 20, simulation.sun.azimuth_deg = 90;
   simulation.sky_directions = 128;
   auto camera = test::nadir_camera(32, 32, 60, 0.03);
   camera.bands = narrow();
   camera.samples_u = camera.samples_v = 4;
   simulation.instruments = {camera};
-  atmos::UniformAir air;
-  air.solar_irradiance = [](double) { return kSunIrradiance; };
-  air.sun_zenith_deg = 20, air.sun_azimuth_deg = 90;
-  const auto table = atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005));
   for (const int levels : {1, 4, 20}) {
-    simulation.bounces = levels;
-    const auto image = test::render_image(simulation, table);
+    const auto image = lit(simulation, levels, 20, 90, 0);
     for (std::size_t b = 0; b < kCentres.size(); ++b) {
       const double rho = at(simulation.scene.materials[0].reflectance, kCentres[b]);
       double level_light = rho * flux / all_m2, sum = 0;
