@@ -56,7 +56,7 @@ struct CameraMatter {
 CameraMatter camera_matter(const CompiledScene& scene);
 
 /// Curves by which cameras see the used materials, ascending: reflectances, and where any of them lets light through
-/// the transmittances of all, since they may share surfaces. Those of opaque ones are empty.
+/// the transmittances of all, since they may share surfaces; those of opaque ones and plates count as zero.
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene);
 
 /// Curves are numbered from 1, see kernels/shared/product_key.h.

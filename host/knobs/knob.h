@@ -49,7 +49,7 @@ class Settings {
 
  private:
   Subject subject_;
-  int sky_directions_;
+  int sky_directions_, bounces_;
   scene::PlanOverrides plan_;
   scene::Adjacency adjacency_;
   scene::Instrument instrument_;

@@ -124,8 +124,9 @@ double judge(const Eigen::MatrixXd& rows, const Picked& picked, const Eigen::Mat
 
 void fit_skeleton(Bounces& out, const Plan& plan, const Curves& factors, double share) {
   const int most = std::clamp(out.levels + 1, 2, kMostFactors);
-  const Eigen::MatrixXd training = products_of(factors, most, kTraining), unseen = products_of(factors, most, kJudging);
-  const Picked picked = pick_columns(training, static_cast<Eigen::Index>(kMostWavelengths));
+  const Picked picked =
+      pick_columns(products_of(factors, most, kTraining), static_cast<Eigen::Index>(kMostWavelengths));
+  const Eigen::MatrixXd unseen = products_of(factors, most, kJudging);
   const std::size_t all = picked.column.size();
   Eigen::MatrixXd basis;
   for (std::size_t count = std::min(kStep, all);; count = std::min(count + kStep, all)) {
@@ -199,9 +200,10 @@ void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
 
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share) {
   plan.bounces = {};
+  if (levels <= 0 || plan.sun_sources + plan.sky_components == 0) return;
   const Curves factors = factors_of(plan, scene);
-  if (levels <= 0 || plan.sun_sources + plan.sky_components == 0 || factors.empty()) return;
-  plan.bounces.levels = levels, plan.bounces.paths = paths;
+  if (factors.empty()) return;
+  plan.bounces.levels = levels;
   fit_skeleton(plan.bounces, plan, factors, share);
   if (plan.bounces.skeleton.empty()) {  // nothing reflects
     plan.bounces = {};
@@ -212,6 +214,7 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
         "light between surfaces: {} wavelengths along paths tell those between them to {:.2g} % of that light (asked: "
         "{:.2g} %), and its noise grows by at most {:.2g}; fewer materials, or fewer bounces, would do better",
         plan.bounces.skeleton.size(), 100 * plan.bounces.error, 100 * share, plan.bounces.amplified));
+  if (plan.sky.rays == 0) plan.sky.rays = paths;
   sample_skeleton(plan.bounces, plan, scene);
   find_scattering(plan.bounces, scene);
 }

@@ -42,7 +42,7 @@ struct BandQuadrature {
 /// granted and its rays bring the rest, so that open ground has no noise and a crown's floor does not pay for light
 /// that it never had.
 struct SkyRays {
-  int rays = 0;             ///< of a pixel, all samples together; 0: no sky
+  int rays = 0;             ///< of a pixel, all samples together, and as many paths where there are any; 0: neither
   double cosine_share = 1;  ///< by the cosine about the normal
   double sun_share = 0;     ///< of the rest, about the sun with this asymmetry; all else evenly
   double asymmetry = 0.5;
@@ -144,7 +144,6 @@ struct SkyFlux {
 /// of the grid, the skeleton; what lies between them is `basis` times that, whatever the geometry.
 struct Bounces {
   int levels = 0;                             ///< surfaces after the first; 0: light is scattered once
-  int paths = 0;                              ///< of a pixel that sends no rays into the sky; else as many as those
   std::vector<std::size_t> skeleton;          ///< indices into the grid
   std::vector<std::vector<double>> basis;     ///< [skeleton][grid]
   double error = 0;                           ///< of products of curves that the fit has not seen, worst band, relative
@@ -204,7 +203,9 @@ struct Plan {
   int sources() const { return first_emission() + thermal.nodes(); }
   int source_channels() const { return sources() * height.count * view.count; }
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
-  int paths() const { return bounces.levels == 0 ? 0 : sky.rays > 0 ? sky.rays : bounces.paths; }
+  /// Whether pixels send rays that are drawn: into the sky, or along as many paths.
+  bool sends_rays() const { return components() > 0 || bounces.levels > 0; }
+  int paths() const { return bounces.levels > 0 ? sky.rays : 0; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
 };
 

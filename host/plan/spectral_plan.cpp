@@ -81,6 +81,24 @@ void check_view(const scene::Instrument& instrument, const ViewBounds& view, dou
                                 instrument.name, base::deg_from_rad(zenith_rad), base::deg_from_rad(last_zenith_rad)));
 }
 
+namespace {
+
+bool is_reflectance(const scene::CompiledScene& scene, std::uint32_t curve) {
+  return rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_REFLECTANCE;
+}
+
+/// Whether a seen curve is more than a name for nothing: the transmittance of an opaque material or of a plate.
+bool counts(const scene::CompiledScene& scene, std::uint32_t curve) {
+  return is_reflectance(scene, curve) ||
+         scene::lets_light_through(scene.materials[scene::material_of_curve(scene, curve)]);
+}
+
+std::string what_of(const scene::CompiledScene& scene, std::uint32_t curve) {
+  return is_reflectance(scene, curve) ? "the curve" : "the transmittance";
+}
+
+}  // namespace
+
 void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems,
                   const std::map<std::string, std::string>& curve_file) {
   const base::Where where = place_of(instrument);
@@ -90,14 +108,14 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
     return name.empty() ? std::string("this") : "'" + name + "'";
   };
   for (const auto curve : scene::seen_curves(scene)) {
+    if (!counts(scene, curve)) continue;
     const auto& material = scene.materials[scene::material_of_curve(scene, curve)];
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
-    const bool reflectance = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_REFLECTANCE;
-    if (x.empty() && reflectance)
-      problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
+    if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
       check_range(
-          problems, where, instrument.bands, x.front(), x.back(), "the curve of material '" + material.name + "'",
+          problems, where, instrument.bands, x.front(), x.back(),
+          what_of(scene, curve) + " of material '" + material.name + "'",
           "take these bands out or give a wider curve than " + source(material) + " (" + gaussian_reach() + ")");
   }
 }
@@ -115,7 +133,7 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   std::vector<double> breakpoints = table_um;
   for (const auto curve : scene::seen_curves(scene)) {
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
-    if (x.size() < 2) continue;
+    if (x.size() < 2 || !counts(scene, curve)) continue;
     // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
     for (const double node : x)
       if (node > table_um.front() && node < table_um.back()) breakpoints.push_back(node);

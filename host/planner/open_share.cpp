@@ -41,7 +41,6 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   const auto& scene = simulation.scene;
   const scene::Instrument few = first_launched(simulation, instrument, plan);
   plan::Plan half = plan;
-  half.bounces = {};
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());

@@ -89,7 +89,7 @@ void PixelTrial::draw_pixels(int draws, int whole) {
 
 std::vector<TrialImage> PixelTrial::render(const scene::Instrument& instrument, int directions,
                                            const std::vector<render::PixelDraw>& draws) {
-  if (plan_.components() > 0) plan_.sky.rays = directions;
+  if (plan_.sends_rays()) plan_.sky.rays = directions;
   TrialImage image;
   image.bands = instrument.bands.size();
   image.draw = draws_, image.pixels_per_run = pixels_per_run_;
@@ -116,14 +116,15 @@ std::vector<TrialImage> PixelTrial::render(const scene::Instrument& instrument, 
   const PixelCounts counts =
       pixel_counts(plan_, static_cast<double>(instrument.samples_u) * instrument.samples_v, plan_.sky.rays);
   const double rendered = static_cast<double>(pixels_ * draws.size());
-  rays_ += static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays) * rendered);
+  rays_ +=
+      static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays + counts.path_rays) * rendered);
   cost_s_ += CostModel().seconds(counts) * rendered;
   return out;
 }
 
 SettingErrors PixelTrial::replicates_on_pixels(const scene::Instrument& sampled, int directions) {
   const std::uint64_t seed = simulation_.seed + 3 * kOther, other = simulation_.seed + 4 * kOther;
-  const bool sky = plan_.components() > 0;
+  const bool sky = plan_.sends_rays();
   const auto images = sky ? render(sampled, directions, {{seed, 0}, {other, 1}, {seed, 2}, {other, 3}})
                           : render(sampled, directions, {{seed, 0}, {other, 1}});
   if (mean_.empty()) mean_ = judged_means(images[0]);
@@ -206,12 +207,12 @@ TrialError PixelTrial::sampling_error(scene::SamplerKind sampler, int samples_u,
   make_references();
   const scene::Instrument tried = sampled(sampler, samples_u, samples_v);
   const auto images = render(tried, kTriedDirections, {{simulation_.seed, 0}, {simulation_.seed, 1}});
-  if (plan_.components() == 0) return error_against(images[0], one_, two_, mean_);
+  if (!plan_.sends_rays()) return error_against(images[0], one_, two_, mean_);
   return common_error(images[0], images[1], one_, two_, mean_);
 }
 
 TrialError PixelTrial::sky_error(int directions, int samples_u, int samples_v) {
-  if (plan_.components() == 0) return {0, 0, {{0}, {0}}};
+  if (!plan_.sends_rays()) return {0, 0, {{0}, {0}}};
   draw_pixels(kDraws, kWholeRuns);
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
   const auto images = render(tried, directions, {{simulation_.seed, 0}, {simulation_.seed, 1}});

@@ -179,7 +179,7 @@ void require_applicable(const PlanFile::Entry& entry, const scene::Simulation& s
   if (s.sampler == scene::SamplerKind::lattice && !instrument.box_pixels())
     refuse(path,
            fmt::format("'{}': the plan has {}, which does not go with a point spread", entry.name, sampling_text(s)));
-  if (simulation.sky_directions_given && plan.components() > 0 && simulation.sky_directions != s.directions)
+  if (simulation.sky_directions_given && plan.sends_rays() && simulation.sky_directions != s.directions)
     conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
              std::to_string(s.directions) + " sky directions");
 }

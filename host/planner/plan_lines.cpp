@@ -175,12 +175,12 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
   if (d.small.objects > 0) lines.push_back(small_objects_line(d.small));
   PlanLine sky;
   sky.block = "sky directions";
-  sky.level = plan.components() == 0      ? "none"
+  sky.level = !plan.sends_rays()          ? "none"
               : d.sampling.replicates > 1 ? fmt::format("{} x {}", d.sampling.replicates, d.sampling.directions)
                                           : std::to_string(d.sampling.directions);
   sky.error = d.sky_error, sky.next_error = d.sky_less_error, sky.given = d.directions_given;
   sky.cost = fmt::format("{:.0f} rays a pixel", d.counts.sky_rays);
-  sky.why = plan.components() == 0 ? "nothing comes from the sky"
+  sky.why = !plan.sends_rays() ? "nothing comes from the sky"
             : d.directions_given
                 ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
             : d.estimated ? tried_text(d)

@@ -125,7 +125,7 @@ class LevelSearch {
         instrument_(instrument),
         plan_(plan),
         out_(out),
-        sky_(plan.components() > 0),
+        sky_(plan.sends_rays()),
         pattern_(sample_pattern(instrument)),
         samples_(out.samples_given ? std::vector<int>{1} : pattern_.levels),
         directions_(direction_levels()) {
@@ -365,14 +365,15 @@ bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulatio
   out.estimated = true;
   const auto& [samples, directions] = replicates.size;
   out.sampling = {scene::SamplerKind::lattice, samples, 1, directions, replicates.count, 0};
-  if (plan.components() == 0) out.sampling.directions = simulation.sky_directions;
+  if (!plan.sends_rays()) out.sampling.directions = simulation.sky_directions;
   count_cost(out, plan);
   out.total_error = std::hypot(out.plan_error, replicates.error.bound);
   out.within = out.total_error <= out.tolerance;
   out.trial_pixels = out.looked_at =
       static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
-  out.trial_rays = static_cast<std::uint64_t>((out.counts.samples + out.counts.sun_rays + out.counts.sky_rays) *
-                                              static_cast<double>(out.trial_pixels));
+  out.trial_rays = static_cast<std::uint64_t>(
+      (out.counts.samples + out.counts.sun_rays + out.counts.sky_rays + out.counts.path_rays) *
+      static_cast<double>(out.trial_pixels));
   return true;
 }
 
@@ -415,7 +416,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
                 TrialProgress progress) {
   Decision out = as_given(simulation, instrument, plan);
   hold_tolerance(out, simulation, instrument, plan, table, threads);
-  const bool sky = plan.components() > 0;
+  const bool sky = plan.sends_rays();
   const bool all_given = out.samples_given && (out.directions_given || !sky);
   if (all_given && !estimate_given) return out;
   if (replicate(out, renderer, simulation, instrument, plan)) return out;
@@ -455,7 +456,7 @@ void apply(const Decision& decision, scene::Instrument& instrument, plan::Plan& 
   instrument.samples_u = decision.sampling.samples_u, instrument.samples_v = decision.sampling.samples_v;
   instrument.replicates = decision.sampling.replicates;
   instrument.small_objects = decision.small.on ? scene::SmallObjects::on : scene::SmallObjects::off;
-  if (plan.components() > 0) plan.sky.rays = decision.sampling.directions;
+  if (plan.sends_rays()) plan.sky.rays = decision.sampling.directions;
 }
 
 }  // namespace raycube::planner

@@ -71,7 +71,7 @@ TrialError error_of(const render::ReplicateSpread& spread) {
 }
 
 bool may_replicate(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
-  const bool open = !instrument.samples_given && !(simulation.sky_directions_given && plan.components() > 0);
+  const bool open = !instrument.samples_given && !(simulation.sky_directions_given && plan.sends_rays());
   const bool plain = instrument.box_pixels() && instrument.first_samples == 0 &&
                      instrument.standard_error == scene::StandardError::off;
   return open && plain && values_of(simulation, instrument) <= kMostValues &&
@@ -88,7 +88,7 @@ class Doubling {
       : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
     instrument_.sampler = scene::SamplerKind::lattice;
     instrument_.samples_u = size.samples, instrument_.samples_v = 1;
-    if (plan_.components() > 0) plan_.sky.rays = size.directions;
+    if (plan_.sends_rays()) plan_.sky.rays = size.directions;
     instrument_.small_objects = scene::SmallObjects::off;  // the law of most pixels
     if (16 * values_of(simulation, instrument) <= kPartOfMemory * static_cast<double>(renderer.memory_bytes()))
       image_ = std::make_shared<render::RenderedImage>(renderer.no_replicates(instrument));

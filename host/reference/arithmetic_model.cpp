@@ -35,8 +35,11 @@ std::vector<std::vector<double>> curves_on(const scene::CompiledScene& scene,
   for (std::uint32_t curve = 1; curve <= scene::curve_count(scene); ++curve) {
     const std::vector<double>&x = scene::curve_of(scene, curve).wavelength_um, &y = scene::curve_of(scene, curve).value;
     std::vector<double>& values = out.emplace_back();
+    const bool through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;
+    const bool dark =
+        x.empty() || (through && !scene::lets_light_through(scene.materials[scene::material_of_curve(scene, curve)]));
     for (double wavelength : wavelength_um) {
-      if (x.empty()) {
+      if (dark) {
         values.push_back(0);
         continue;
       }

@@ -4,10 +4,13 @@
 #include <utility>
 
 #include "host/render/camera_arguments.h"
+#include "host/render/standard_error.h"
 #include "kernels/kernel_source.h"
 #include "kernels/sampling/sky_rays.h"
 
 namespace raycube::render {
+
+static_assert(RC_PATH_PARTS == sensors::kSampleSubsets, "paths are summed by the parts of the samples");
 
 RowBuffers::RowBuffers(const cl::Context& context, const StageShape& shape, std::size_t items_, std::size_t capacity_)
     : items(items_),
@@ -36,8 +39,7 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       lift(context, pixels * elements.lift, cl::Access::read_write, "lifts of surface points"),
       sun(context, pixels * elements.sun, cl::Access::read_write, "sun visibility"),
       met_sky(context, pixels * elements.met_sky, cl::Access::read_write, "met sky"),
-      glow(context, std::max<std::size_t>(1, pixels * elements.glow), cl::Access::read_write,
-           "light between surfaces") {}
+      glow(context, pixels * elements.glow, cl::Access::read_write, "light between surfaces") {}
 
 std::vector<float> open_shares(const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape) {
   std::size_t surfaces = 0;
@@ -145,6 +147,8 @@ void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, cons
       .glow = traced.glow,
       .glow_part =
           cl_uint{parts && rows.subset != sensors::kAllSamples ? static_cast<cl_uint>(rows.subset) : RC_PATH_PARTS},
+      .glow_scale = parts ? static_cast<float>(1 / weights_.share_of(rows.subset)) : 1.0f,
+      .glow_spread = static_cast<float>(spread_of_draws(shape_.sampler)),
       .skeleton_row = table.skeleton_row(),
       .skeleton_rows = static_cast<cl_uint>(plan_.bounces.skeleton.size()),
       .term_count = rows.term_count,

@@ -13,9 +13,13 @@ constexpr double kLeastBand = 1e-4;  ///< of the brightest band's mean
 constexpr double kLatticeFactor = 0.7, kCellFactor = 0.85;
 }  // namespace
 
+double spread_of_draws(scene::SamplerKind sampler) {
+  return 1 / (sampler == scene::SamplerKind::lattice ? kLatticeFactor : kCellFactor);
+}
+
 double error_of_spread(scene::SamplerKind sampler) {
   const double independent = 1 / std::sqrt(sensors::kSampleSubsets * (sensors::kSampleSubsets - 1.0));
-  return (sampler == scene::SamplerKind::lattice ? kLatticeFactor : kCellFactor) * independent;
+  return independent / spread_of_draws(sampler);
 }
 
 std::vector<float> error_scale(const std::vector<double>& band_means) {

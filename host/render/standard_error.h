@@ -16,6 +16,10 @@
 
 namespace raycube::render {
 
+/// What the spread of independent draws counts for where that of samples counts as it is: paths of light between
+/// surfaces.
+double spread_of_draws(scene::SamplerKind sampler);
+
 /// Standard error over the root of the sum of the four parts' squared distances from the whole.
 double error_of_spread(scene::SamplerKind sampler);
 

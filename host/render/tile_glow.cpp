@@ -1,23 +1,22 @@
 // Light between surfaces of a pixel that is summed on the host.
 #include <algorithm>
+#include <span>
 
 #include "host/render/tile_worker.h"
 #include "kernels/shared/tile_layout.h"
 
 namespace raycube::render {
 
-void TileWorker::add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance) {
+void TileWorker::add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance) const {
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
   const auto [view, fraction] = view_nodes(pixel);
   const auto sources = static_cast<std::size_t>(shape.glow_sources()),
              padded = static_cast<std::size_t>(shape.skeleton_padded());
   std::vector<double> sum(sources * padded, 0.0);
-  const auto glow = traced_.glow.map(false);
-  for (std::size_t part = 0; part < RC_PATH_PARTS; ++part)
-    for (std::size_t i = 0; i < sum.size(); ++i)
-      sum[i] += static_cast<double>(glow[pixel * traced_.elements.glow + part * sum.size() + i]);
-  traced_.glow.unmap(glow);
+  std::vector<float> glow(traced_.elements.glow);
+  traced_.glow.read(std::span(glow), pixel * glow.size());
+  for (std::size_t i = 0; i < glow.size(); ++i) sum[i % sum.size()] += static_cast<double>(glow[i]);
   for (std::size_t m = 0; m < plan.bounces.skeleton.size(); ++m) {
     const auto baked = plan::bake_row(plan, setup_.scene, plan::kSkeletonKey | m);
     for (std::size_t s = 0; s < sources; ++s)

@@ -109,8 +109,9 @@ namespace {
 
 /// Bytes that a pixel adds to the largest single buffer, which must stay inside one allocation.
 std::size_t largest_buffer(const StageShape& shape, std::size_t capacity) {
-  return std::max({shape.tile().surface * sizeof(float), static_cast<std::size_t>(shape.bands_padded) * sizeof(float),
-                   shape.row_bytes(capacity)});
+  const shared::TileElements tile = shape.tile();
+  return std::max({std::max({tile.surface, tile.met_sky, tile.glow}) * sizeof(float),
+                   static_cast<std::size_t>(shape.bands_padded) * sizeof(float), shape.row_bytes(capacity)});
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ class TileWorker {
   /// The lower of the plan's two view nodes around a pixel's centre ray, and the other's weight.
   std::pair<int, float> view_nodes(std::uint32_t pixel) const;
   /// Light between surfaces of such a pixel.
-  void add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance);
+  void add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance) const;
   std::vector<std::uint32_t> relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset,
                                       const TileOutput& out);
   void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TileOutput& out);

@@ -1,4 +1,4 @@
-// The tracing stages of a tile: primary rays, surface points, sun, sky.
+// The tracing stages of a tile: primary rays, surface points, sun, sky, paths between surfaces.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ class TraceStages {
   /// Only the primary rays of that chunk: traced.hits.
   void run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced);
 
-  /// Another draw of samples and sky rays from here on.
+  /// Another draw of samples, sky rays and paths from here on.
   void set_draw(const PixelDraw& draw);
 
   /// Text that program hashes cover: names, options and sources.

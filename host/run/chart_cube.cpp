@@ -37,11 +37,12 @@ struct FoundChart {
 Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOptions& options,
                  const std::vector<std::string>& devices, const render::RenderOptions& given, Services& services) {
   scene::Instrument& instrument = simulation.instruments[index];
+  const knobs::Subject subject{simulation, &instrument, nullptr};
+  const knobs::Settings keep(subject);
   if (simulation.bounces > 0)
     services.log.warning(instrument.name +
                          ": charted without light between surfaces, which the reference does not have");
   simulation.bounces = 0;
-  const knobs::Subject subject{simulation, &instrument, nullptr};
   const auto chosen = chosen_knobs(subject, options.knobs);
   const CameraJob job = prepare_camera(simulation, instrument, services);
   const plan::ViewBounds view = sensors::view_bounds(instrument);

@@ -72,16 +72,21 @@ int SampleWeights::subset_of(std::size_t sample) const {
   return static_cast<int>(sample % columns_ % 2 + 2 * (sample / columns_ % 2));
 }
 
-std::vector<float> SampleWeights::stretch(std::size_t first, std::size_t count, int subset) const {
-  std::vector<float> weights = stretch(first, count);
-  if (subset == kAllSamples) return weights;
+double SampleWeights::share_of(int subset) const {
+  if (subset == kAllSamples) return 1;
   double part = 0;
   const std::vector<float> all = stretch(0, count_);
   for (std::size_t s = 0; s < count_; ++s)
     if (subset_of(s) == subset) part += all[s];
+  return part / static_cast<double>(count_);
+}
+
+std::vector<float> SampleWeights::stretch(std::size_t first, std::size_t count, int subset) const {
+  std::vector<float> weights = stretch(first, count);
+  if (subset == kAllSamples) return weights;
+  const double share = share_of(subset);
   for (std::size_t s = 0; s < count; ++s)
-    weights[s] =
-        subset_of(first + s) == subset ? static_cast<float>(weights[s] * static_cast<double>(count_) / part) : 0.0f;
+    weights[s] = subset_of(first + s) == subset ? static_cast<float>(weights[s] / share) : 0.0f;
   return weights;
 }
 

@@ -33,6 +33,8 @@ class SampleWeights {
   /// Those of one part of the samples: the others' are 0, and the part's sum over the pixel is what all samples' is.
   std::vector<float> stretch(std::size_t first, std::size_t count, int subset) const;
   int subset_of(std::size_t sample) const;
+  /// Share of all weight that a part has.
+  double share_of(int subset) const;
   /// Samples in each part at least one.
 
  private:

@@ -69,7 +69,6 @@ void add_plan(Digest& digest, const plan::Plan& plan) {
   digest.add(map.columns).add(map.rows).add(map.first_x_m).add(map.first_y_m).add(map.step_m).add(map.mean);
   for (int axis = 0; axis < 2; ++axis)
     digest.add(map.mean_lo_m[static_cast<std::size_t>(axis)]).add(map.mean_hi_m[static_cast<std::size_t>(axis)]);
-  if (plan.bounces.levels > 0) digest.add(plan.bounces.levels).add(plan.bounces.skeleton);
   digest.add(map.height_m).add(map.cos_view).add(map.sensor_z_m).add(map.pressure_hPa).add(map.local).add(map.raster_m);
 }
 

@@ -109,9 +109,9 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   for (uint s = 0; s < RC_GLOW_SOURCES; ++s)
     for (uint m = 0; m < skeleton_rows; ++m) {
       float sum = 0.0f;
-      for (uint part = 0; part < RC_PATH_PARTS; ++part)
-        if (glow_part == RC_PATH_PARTS || glow_part == part) sum += glow[RC_GLOW_AT(pixel, part) + s * RC_SKELETON + m];
-      if (glow_part < RC_PATH_PARTS) sum *= (float)RC_PATH_PARTS;
+      for (uint part = 0; part < RC_PATH_PARTS; ++part) sum += glow[RC_GLOW_AT(pixel, part) + s * RC_SKELETON + m];
+      if (glow_part < RC_PATH_PARTS)
+        sum = fma(glow_spread, fma(glow_scale, glow[RC_GLOW_AT(pixel, glow_part) + s * RC_SKELETON + m], -sum), sum);
       for (uint h = 0; h < RC_HEIGHTS; ++h)
         for (int v = 0; v < RC_VIEWS; ++v) {
           const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, iv, fv));

@@ -13,7 +13,7 @@ static inline void rc_begin_path(SceneArrays scene, const PathTables* t, global 
                                  uint side, float chance, Paths16* paths) {
   const uint k = paths->count;
   const SkyDensity law = {1.0f, 0.0f, 0.5f, 0.0f, 0.0f, 1.0f}; /* the cosine alone */
-  const SkyRay ray = rc_sky_ray(law, t->seed ^ 0x5bd1e995u, paths->number[k], paths->path[k], at[RC_PLANE(RC_NORMAL_X)],
+  const SkyRay ray = rc_sky_ray(law, t->seed ^ 0x2545f491u, paths->number[k], paths->path[k], at[RC_PLANE(RC_NORMAL_X)],
                                 at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)]);
   if (!(ray.facing > 0.0f)) return;
   float unit[RC_SKELETON], factor = 1.0f / chance;

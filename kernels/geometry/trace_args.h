@@ -1,9 +1,11 @@
-/* How to build and launch the four tracing kernels: trace_primary, make_surface, trace_sun, trace_sky.
+/* How to build and launch the tracing kernels: trace_primary, make_surface, trace_sun, trace_sky and, where light goes
+ * on from surface to surface, trace_bounce.
  * What lies where in their buffers: kernels/shared/tile_layout.h.
  *
  * Chain, all in one in-order queue:
  *   trace_primary -> hits -> make_surface -> surface -> trace_sun -> sun
- *                                                   \-> trace_sky -> met sky
+ *                                                   |-> trace_sky -> met sky
+ *                                                   \-> trace_bounce -> glow
  *
  * Build options (one set for all; a -D that is missing here has the default below):
  *   RC_NU, RC_NV        samples of a pixel along and across the line (whole pixel, not the chunk)
@@ -19,7 +21,8 @@
  *   RC_STACK            CompiledScene::stack_bound()
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
- *   RC_SHAPED, RC_SIDES what the scene's matter asks for: kernels/shared/tile_layout.h
+ *   RC_SHAPED, RC_SIDES what the scene's matter asks for: kernels/shared/tile_layout.h; RC_MATERIALS: how many there are
+ *   RC_BOUNCES, RC_SKELETON, RC_SUN  surfaces after the first, wavelengths along paths, whether the sun is a source
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
  * sampler both are multiples of RC_NU.
  *

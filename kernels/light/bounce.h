@@ -7,12 +7,13 @@
 #include "kernels/geometry/any_hits16.h"
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/geometry/surface_side.h"
+#include "kernels/light/far_side.h"
 #include "kernels/light/sky_map.h"
 #include "kernels/materials/shapes.h"
 #include "kernels/sampling/sky_rays.h"
 #include "kernels/shared/product_key.h"
 
-#define RC_PATH_DIMENSION 25u /* of rc_hash, and the next four */
+#define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
 
 /* What paths ask of matter and light. */
 typedef struct PathTables {
@@ -70,10 +71,6 @@ static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surf
   }
 }
 
-static inline bool rc_is_leaf(const PathTables* t, uint surface) {
-  return RC_SIDES > 1 && t->lobes[surface * RC_LOBES + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
-}
-
 /* How many times Lambert's radiance goes to `out` of light from `in` on the near side. */
 static inline float rc_shape_factor(const PathTables* t, uint surface, float4 normal, float4 in, float4 out) {
 #if RC_SHAPED
@@ -102,7 +99,7 @@ __attribute__((noinline)) static void rc_stand(SceneArrays scene, const PathTabl
     global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
     for (uint c = 0; c < 9u; ++c) corner[c][k] = at[16u * c];
     ends->surface[k] = rc_surface_of(scene, primitive);
-    leaves |= rc_is_leaf(t, ends->surface[k]) ? 1u << k : 0u;
+    leaves |= rc_is_leaf(t->lobes, ends->surface[k]) ? 1u << k : 0u;
   }
   Vector16 v[3];
   for (uint c = 0; c < 3u; ++c) {
@@ -138,7 +135,7 @@ __attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathT
   for (; live; live &= live - 1u) {
     const uint k = rc_lowest(live);
     const float facing = rc_dot3(rc_lane_of(ends->normal, k), t->sun);
-    if (!(facing > 0.0f) && !(facing < 0.0f && rc_is_leaf(t, ends->surface[k]))) continue;
+    if (!(facing > 0.0f) && !(facing < 0.0f && rc_is_leaf(t->lobes, ends->surface[k]))) continue;
     of[count] = k, side[count] = facing > 0.0f ? 0u : 1u, cosine[count] = fabs(facing);
     rc_put_ray(&rays, count++, rc_lane_of(facing > 0.0f ? ends->front : ends->back, k), t->sun);
   }

@@ -7,6 +7,10 @@
 /* Here and not where RC_SHAPED asks for it: a program has each file once. */
 #include "kernels/materials/shapes.h"
 
+static inline bool rc_is_leaf(global const Lobe* lobes, uint surface) {
+  return RC_SIDES > 1 && lobes[surface * RC_LOBES + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
+}
+
 #if RC_SIDES > 1
 /* Of a word of samples, bits of those whose surface lets light through; in: its slots of hits. */
 static inline uint rc_let_through(SceneArrays scene, global const Lobe* lobes, global const uint* in) {
@@ -14,7 +18,7 @@ static inline uint rc_let_through(SceneArrays scene, global const Lobe* lobes, g
   for (uint k = 0; k < 16u; ++k) {
     if (in[k] == RC_NONE) continue;
     const uint surface = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]);
-    through |= lobes[surface * RC_LOBES + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf ? 1u << k : 0u;
+    through |= rc_is_leaf(lobes, surface) ? 1u << k : 0u;
   }
   return through;
 }

@@ -19,7 +19,7 @@
 #define RC_MAKE_SURFACE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED or RC_SIDES 2 */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   WRITE(rc_float, surface) NEXT() \
@@ -160,6 +160,8 @@
   READ(rc_float, environment_weight) NEXT() \
   READ(rc_float, glow) NEXT() \
   VALUE(rc_uint, glow_part) NEXT()    /* part of the samples that is asked for; RC_PATH_PARTS: all */ \
+  VALUE(rc_float, glow_scale) NEXT()  /* weight of all samples over that of the part */ \
+  VALUE(rc_float, glow_spread) NEXT() /* what a part's distance from the whole is multiplied by */ \
   VALUE(rc_uint, skeleton_row) NEXT() /* of the band table, of the first skeleton wavelength; the others follow */ \
   VALUE(rc_uint, skeleton_rows) NEXT() /* how many of them there are */ \
   WRITE(rc_uint, term_count) NEXT() \

@@ -2,7 +2,7 @@
  *
  * A key packs up to RC_KEY_CURVES curve ids of RC_KEY_BITS bits, ascending from the lowest bits, 0 = none; so the key
  * of one curve is its id, and 0 is the key of light that no surface scattered. Bit 63 is never a key's: rows of the
- * ground around have it (host/plan/plan.h).
+ * ground around and of the skeleton have it (host/plan/plan.h).
  *
  * A material owns RC_CURVE_ROLES curves. Id of one: role * materials + material + 1, material counted from 0; so the
  * reflectances come first, in the materials' order, and ids say whose they are without a table. */
