@@ -4,7 +4,7 @@ may not move a bit. One scene for each form that kernels are built in (samplers,
 samples, sources of light, nodes, ground around; of LIDARs detectors, sampling, bounces, plates, leaves, gloss, volumes,
 turbulence). usage: digests_test.py RAYCUBE DIGESTS.csv [--write]
 --write records what is found instead of comparing. Bits are those of one device and driver, which the first line names;
-on another the test is skipped (77) and says so. Left out: run.json (times), pictures that matplotlib draws, the day in
+on another the test renders nothing, is skipped (77) and says so. Left out: run.json (times), pictures that matplotlib draws, the day in
 a LAS header.
 """
 
@@ -13,12 +13,13 @@ import hashlib
 import json
 import pathlib
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
-from driver import PULSE_AND_RECEIVER, Program, record  # noqa: E402
+from driver import PULSE_AND_RECEIVER, Program  # noqa: E402
 
 program = Program(sys.argv[1])
 digests, write = pathlib.Path(sys.argv[2]), "--write" in sys.argv[3:]
@@ -236,27 +237,39 @@ def hashed(path):
     return hashlib.sha256(data).hexdigest()
 
 
+def this_device():
+    """Name and driver of the one that renders by default."""
+    text = subprocess.run([sys.argv[1], "devices", "--json"], check=True, capture_output=True, text=True).stdout
+    first = json.loads(text)["devices"][0]
+    return f"{first['name']}, {first['driver']}"
+
+
 def found(work):
     """(scene, file) -> digest, in order of the lists."""
-    out, device = {}, ""
+    out = {}
     program.run("new", work / "garden", "-q")
     for name in [*CAMERAS, *("lidar_" + name for name in LIDARS)]:
         file = written(work, name)
         began = time.monotonic()
         program.run("render", file, "-o", file.parent / "out", "-q")
         for folder in sorted(path for path in (file.parent / "out").iterdir() if path.is_dir()):
-            run = record(folder)
-            device = f"{run['device']['name']}, {run['device']['driver']}"
             for path in sorted(folder.iterdir()):
                 if path.name != "run.json":
                     out[name, path.name] = hashed(path)
         shutil.rmtree(file.parent)
         print(f"{name}: {time.monotonic() - began:.1f} s")
-    return out, device
+    return out
 
 
+device = this_device()
+with open(digests, newline="") as file:
+    recorded_on = file.readline()[2:].rstrip("\n")
+    recorded = {(row["scene"], row["product"]): row["sha256"] for row in csv.DictReader(file)}
+if device != recorded_on and not write:
+    print(f"digests: SKIPPED: recorded on {recorded_on}, this is {device}; bits are those of one device and driver")
+    sys.exit(77)
 with tempfile.TemporaryDirectory() as work:
-    products, device = found(pathlib.Path(work))
+    products = found(pathlib.Path(work))
 if write:
     lines = [f"# {device}\n", "scene,product,sha256\n"] + [
         f"{scene},{file},{digest}\n" for (scene, file), digest in products.items()
@@ -264,12 +277,6 @@ if write:
     digests.write_text("".join(lines))
     print(f"digests: {len(products)} products of {len(CAMERAS) + len(LIDARS)} scenes written to {digests}")
     sys.exit(0)
-with open(digests, newline="") as file:
-    recorded_on = file.readline()[2:].rstrip("\n")
-    recorded = {(row["scene"], row["product"]): row["sha256"] for row in csv.DictReader(file)}
-if device != recorded_on:
-    print(f"digests: SKIPPED: recorded on {recorded_on}, this is {device}; bits are those of one device and driver")
-    sys.exit(77)
 moved = [
     f"{scene}: {file}"
     for (scene, file) in sorted(set(recorded) | set(products))
