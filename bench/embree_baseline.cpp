@@ -14,6 +14,9 @@ namespace raycube::bench {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// End of a lane that is no ray: where the machine has no packets of 16 Embree takes them as a stream, which knows such
+/// lanes by an end before the start alone, not by the mask, and stops at one that is not a number.
+constexpr float kNoRay = -1;
 
 void check(RTCDevice device, const char* what) {
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
@@ -237,7 +240,7 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
             packet.ray.dir_y[k] = std::fma(b, group.dv.y, std::fma(a, group.du.y, group.d0.y));
             packet.ray.dir_z[k] = std::fma(b, group.dv.z, std::fma(a, group.du.z, group.d0.z));
             packet.ray.tnear[k] = 0.0f;
-            packet.ray.tfar[k] = kInfinity;
+            packet.ray.tfar[k] = k < static_cast<int>(live) ? kInfinity : kNoRay;
             packet.ray.time[k] = 0.0f;
             packet.ray.mask[k] = 0xFFFFFFFFu;
             packet.ray.flags[k] = 0;
@@ -283,18 +286,19 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
       const std::size_t live = std::min<std::size_t>(16, end - first);
       for (int k = 0; k < 16; ++k) {
         const std::size_t i = first + std::min<std::size_t>(k, live - 1);
-        packet.org_x[k] = rays.x[i];
+        const bool skipped = k >= static_cast<int>(live) || std::isnan(rays.x[i]);
+        packet.org_x[k] = skipped ? 0.0f : rays.x[i];
         packet.org_y[k] = rays.y[i];
         packet.org_z[k] = rays.z[i];
         packet.dir_x[k] = own ? rays.dx[i] : rays.direction[0];
         packet.dir_y[k] = own ? rays.dy[i] : rays.direction[1];
         packet.dir_z[k] = own ? rays.dz[i] : rays.direction[2];
         packet.tnear[k] = 0.0f;
-        packet.tfar[k] = kInfinity;
+        packet.tfar[k] = skipped ? kNoRay : kInfinity;
         packet.time[k] = 0.0f;
         packet.mask[k] = 0xFFFFFFFFu;
         packet.flags[k] = 0;
-        valid[k] = k < static_cast<int>(live) && rays.x[i] == rays.x[i] ? -1 : 0;
+        valid[k] = skipped ? 0 : -1;
       }
       if (mode == EmbreeMode::single) {
         for (std::size_t k = 0; k < live; ++k) {

@@ -138,6 +138,7 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
           packet.ray.flags[k] = 0;
           packet.hit.geomID[k] = packet.hit.primID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
           valid[k] = k < live ? -1 : 0;
+          if (k >= live) packet.ray.tfar[k] = -1;  // as in embree_baseline.cpp
         }
         rtcIntersect16(valid, scene, &context, &packet);
         if (!flat) {  // Embree gives normals in the mesh's frame; they go by the transposed inverse
