@@ -18,7 +18,7 @@ function(raycube_cli_test name)
 endfunction()
 add_test(NAME digests COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/golden/digests_test.py
   $<TARGET_FILE:raycube>
-                              ${CMAKE_CURRENT_LIST_DIR}/golden/digests.csv)
+                              ${CMAKE_CURRENT_LIST_DIR}/golden/digests)
 set_tests_properties(digests PROPERTIES LABELS device SKIP_RETURN_CODE 77)
 raycube_cli_test(render_cli ${PROJECT_SOURCE_DIR}/scenes)
 raycube_cli_test(shapes)

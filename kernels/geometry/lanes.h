@@ -22,13 +22,29 @@
 #define RC_HAS_PERMUTE512 1
 #endif
 #if defined(__AVX512F__) && __has_builtin(__builtin_ia32_gathersiv16sf)
+#define RC_HAS_GATHER 1
 #define RC_HAS_GATHER512 1
+#endif
+/* What processors without AVX-512 have of it. */
+#if defined(__AVX__) && __has_builtin(__builtin_ia32_movmskps256)
+#define RC_HAS_SIGNS256 1
+#endif
+#if defined(__AVX2__) && __has_builtin(__builtin_ia32_permvarsf256) && __has_builtin(__builtin_ia32_permvarsi256)
+#define RC_HAS_PERMUTE256 1
+#if defined(__BMI2__) && __has_builtin(__builtin_ia32_pdep_di) && __has_builtin(__builtin_ia32_pext_di)
+#define RC_HAS_CHOSEN256 1
+#endif
+#endif
+#if defined(__AVX2__) && !defined(RC_HAS_GATHER512) && __has_builtin(__builtin_ia32_gatherd_ps256)
+#define RC_HAS_GATHER 1
 #endif
 #endif
 
 static inline uint rc_mask8(int8 m) {
 #ifdef RC_HAS_MASK256
   return (uint)(uchar)__builtin_ia32_cvtd2mask256(m);
+#elif defined(RC_HAS_SIGNS256)
+  return (uint)__builtin_ia32_movmskps256(as_float8(m));
 #else
   const int8 w = m & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
   const int4 h = w.lo | w.hi;
@@ -115,10 +131,21 @@ static inline void rc_prefetch(global const void* at, uint bytes) {
 /* Lowest set bit; bits != 0. */
 static inline uint rc_lowest(uint bits) { return 31u - clz(bits & (0u - bits)); }
 
-/* Stores the lanes in `lanes` side by side. */
+#ifdef RC_HAS_CHOSEN256
+/* Numbers of the lanes in an 8-bit word, ascending; then zeros. */
+static inline int8 rc_chosen8(uint lanes) {
+  const ulong bytes = __builtin_ia32_pdep_di((ulong)lanes, 0x0101010101010101ul) * 255u;
+  return convert_int8(as_uchar8(__builtin_ia32_pext_di(0x0706050403020100ul, bytes)));
+}
+#endif
+
+/* Stores the lanes in `lanes` side by side; what lies up to 16 behind `to` may change. */
 static inline void rc_pack16(float16 v, uint lanes, float* to) {
 #ifdef RC_HAS_PACK512
   rc_store16(__builtin_ia32_compresssf512_mask(v, v, (ushort)lanes), 0, to);
+#elif defined(RC_HAS_CHOSEN256)
+  vstore8(__builtin_ia32_permvarsf256(v.lo, rc_chosen8(lanes & 255u)), 0, to);
+  vstore8(__builtin_ia32_permvarsf256(v.hi, rc_chosen8(lanes >> 8)), 0, to + popcount(lanes & 255u));
 #else
   RC_LINE float of[16];
   rc_store16(v, 0, of);
@@ -133,6 +160,9 @@ static inline uint rc_pack8(global const uint* from, uint lanes, uint* to) {
   const int8 all = as_int8(vload8(0, from));
   vstore8(as_uint8(__builtin_ia32_compresssi256_mask(all, all, (uchar)lanes)), 0, to);
   return popcount(lanes);
+#elif defined(RC_HAS_CHOSEN256)
+  vstore8(as_uint8(__builtin_ia32_permvarsi256(as_int8(vload8(0, from)), rc_chosen8(lanes))), 0, to);
+  return popcount(lanes);
 #else
   uint count = 0;
   for (; lanes; lanes &= lanes - 1u) to[count++] = from[rc_lowest(lanes)];
@@ -144,6 +174,13 @@ static inline uint rc_pack8(global const uint* from, uint lanes, uint* to) {
 static inline float16 rc_permute16(float16 v, uint16 from) {
 #ifdef RC_HAS_PERMUTE512
   return __builtin_ia32_permvarsf512(v, as_int16(from));
+#elif defined(RC_HAS_PERMUTE256)
+  /* a permutation of eight reads three bits of a number */
+  const int8 lo = as_int8(from.lo), hi = as_int8(from.hi);
+  float16 out;
+  out.lo = select(__builtin_ia32_permvarsf256(v.lo, lo), __builtin_ia32_permvarsf256(v.hi, lo), lo > 7);
+  out.hi = select(__builtin_ia32_permvarsf256(v.lo, hi), __builtin_ia32_permvarsf256(v.hi, hi), hi > 7);
+  return out;
 #else
   RC_LINE float of[16], to[16];
   RC_LINE uint k[16];
@@ -153,5 +190,21 @@ static inline float16 rc_permute16(float16 v, uint16 from) {
   return vload16(0, to);
 #endif
 }
+
+#ifdef RC_HAS_GATHER
+/* Lane i: from[index[i]] where i is in `lanes`, else 0, and nothing is read. */
+static inline float16 rc_gather16(private const float* from, uint16 index, uint lanes) {
+  const int16 at = as_int16(index);
+#ifdef RC_HAS_GATHER512
+  return __builtin_ia32_gathersiv16sf((float16)(0.0f), (const void*)from, at, (ushort)lanes, 4);
+#else
+  const int16 read = rc_bits16(lanes);
+  float16 out;
+  out.lo = __builtin_ia32_gatherd_ps256((float8)(0.0f), (const void*)from, at.lo, as_float8(read.lo), 4);
+  out.hi = __builtin_ia32_gatherd_ps256((float8)(0.0f), (const void*)from, at.hi, as_float8(read.hi), 4);
+  return out;
+#endif
+}
+#endif
 
 #endif

@@ -95,9 +95,8 @@ static inline void rc_primary_small(SceneArrays scene, const GroupFrame* frame, 
     const uint16 slot_of = (row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u);
     const float16 here_most = here + rc_permute16(block->slack, lane_of);
 /* Without pairs that something nearer hides already: the loop below would drop them one by one. */
-#ifdef RC_HAS_GATHER512
-    const float16 before =
-        __builtin_ia32_gathersiv16sf((float16)(0.0f), (const void*)closest->near, as_int16(slot_of), (ushort)bits, 4);
+#ifdef RC_HAS_GATHER
+    const float16 before = rc_gather16(closest->near, slot_of, bits);
     bits &= rc_mask16(select(here, here_most, least <= band) >= before);
     if (!bits) continue;
 #endif

@@ -2,16 +2,18 @@
 """SHA-256 of every product of a list of scenes, against the figures that were recorded: what is moved about in the tree
 may not move a bit. One scene for each form that kernels are built in (samplers, motion, point spread, chunks, adaptive
 samples, sources of light, nodes, ground around; of LIDARs detectors, sampling, bounces, plates, leaves, gloss, volumes,
-turbulence). usage: digests_test.py RAYCUBE DIGESTS.csv [--write]
---write records what is found instead of comparing. Bits are those of one device and driver, which the first line names;
-on another the test renders nothing, is skipped (77) and says so. Left out: run.json (times), pictures that matplotlib draws, the day in
-a LAS header.
+turbulence). usage: digests_test.py RAYCUBE FOLDER [--write]
+Bits are those of one device and driver: FOLDER has a file for each that was met, its first line the name; on another
+the test renders nothing, is skipped (77) and says so. --write records what is found instead of comparing; where bits
+were meant to move, the files of other devices are no longer true, and go. Left out: run.json (times), pictures that
+matplotlib draws, the day in a LAS header.
 """
 
 import csv
 import hashlib
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -22,7 +24,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 from driver import PULSE_AND_RECEIVER, Program  # noqa: E402
 
 program = Program(sys.argv[1])
-digests, write = pathlib.Path(sys.argv[2]), "--write" in sys.argv[3:]
+folder, write = pathlib.Path(sys.argv[2]), "--write" in sys.argv[3:]
 
 # Flat ground of two halves, a mixed and a checkered plate, a box that shades, a tree, small plates; no two of one
 # reflectance.
@@ -244,6 +246,15 @@ def this_device():
     return f"{first['name']}, {first['driver']}"
 
 
+def records():
+    """Device -> its file."""
+    return {path.read_text().partition("\n")[0][2:]: path for path in sorted(folder.glob("*.csv"))}
+
+
+def name_of_file(device):
+    return re.sub(r"[^A-Za-z0-9.+-]+", "_", device) + ".csv"
+
+
 def found(work):
     """(scene, file) -> digest, in order of the lists."""
     out = {}
@@ -261,12 +272,10 @@ def found(work):
     return out
 
 
-device = this_device()
-with open(digests, newline="") as file:
-    recorded_on = file.readline()[2:].rstrip("\n")
-    recorded = {(row["scene"], row["product"]): row["sha256"] for row in csv.DictReader(file)}
-if device != recorded_on and not write:
-    print(f"digests: SKIPPED: recorded on {recorded_on}, this is {device}; bits are those of one device and driver")
+device, known = this_device(), records()
+if device not in known and not write:
+    on = "; ".join(known)
+    print(f"digests: SKIPPED: recorded on {on}, this is {device}; bits are those of one device and driver")
     sys.exit(77)
 with tempfile.TemporaryDirectory() as work:
     products = found(pathlib.Path(work))
@@ -274,9 +283,13 @@ if write:
     lines = [f"# {device}\n", "scene,product,sha256\n"] + [
         f"{scene},{file},{digest}\n" for (scene, file), digest in products.items()
     ]
-    digests.write_text("".join(lines))
-    print(f"digests: {len(products)} products of {len(CAMERAS) + len(LIDARS)} scenes written to {digests}")
+    to = known.get(device, folder / name_of_file(device))
+    to.write_text("".join(lines))
+    print(f"digests: {len(products)} products of {len(CAMERAS) + len(LIDARS)} scenes written to {to}")
     sys.exit(0)
+with open(known[device], newline="") as file:
+    file.readline()
+    recorded = {(row["scene"], row["product"]): row["sha256"] for row in csv.DictReader(file)}
 moved = [
     f"{scene}: {file}"
     for (scene, file) in sorted(set(recorded) | set(products))
