@@ -14,6 +14,11 @@
 #define RC_PLUME_WIDTHS 6.5f /* a plume ends so many of its widths from the axis; a bell's share beyond is 8e-11 */
 
 #ifdef __OPENCL_C_VERSION__
+#ifdef __clang__
+/* Clang tells of every function that takes 16 floats that its ABI is another without AVX-512; none is called from
+ * elsewhere. */
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
 /* What a kernel does, in a function of its own that the kernel only calls: PoCL makes three copies of a kernel, each
  * with all that is inlined into it, and compiles them all. A kernel passes its index; the body asks for no work-item
  * function. */
