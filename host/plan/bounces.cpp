@@ -18,8 +18,8 @@ namespace {
 using Curves = std::vector<std::vector<double>>;  ///< [curve][grid]
 
 constexpr int kMostFactors = 8;            ///< of a product that the skeleton is fitted to
-constexpr std::size_t kRowsOfACurve = 24;  ///< of training, and as many that only judge
-constexpr std::size_t kMostRows = 600;
+constexpr std::size_t kRowsOfACurve = 24;  ///< that judge
+constexpr std::size_t kMostRows = 600;     ///< that judge or train
 constexpr std::size_t kMostWavelengths = 128, kStep = 16;
 constexpr double kNothingLeft = 1e-12;        ///< of the largest column: rounding of what has been taken out
 constexpr double kFewest = 0.1, kMost = 0.9;  ///< chance of the side by which a path leaves a leaf
@@ -41,21 +41,45 @@ Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
   return out;
 }
 
-/// Products of 2 to `most` factors: a curve's own powers first, then any, drawn by `draw`. Each has a largest value of
-/// 1.
-Eigen::MatrixXd products_of(const Curves& factors, int most, std::uint32_t draw) {
-  const std::size_t grid = factors.front().size(), count = factors.size();
-  const std::size_t rows = std::clamp(kRowsOfACurve * count, kRowsOfACurve, kMostRows);
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(grid));
-  for (std::size_t r = 0; r < rows; ++r) {
+using Factors = std::vector<std::size_t>;  ///< of a product, as numbers of curves
+
+/// Every product of 2 to `most` of `count` curves in any order; none where they are more than kMostRows.
+std::vector<Factors> every_product(std::size_t count, int most) {
+  std::vector<Factors> out, of_one_length = {{}};
+  for (int length = 1; length <= most; ++length) {
+    std::vector<Factors> longer;
+    for (const Factors& product : of_one_length)
+      for (std::size_t c = product.empty() ? 0 : product.back(); c < count; ++c) {
+        longer.push_back(product);
+        longer.back().push_back(c);
+      }
+    if (length > 1) out.insert(out.end(), longer.begin(), longer.end());
+    if (out.size() > kMostRows || longer.size() > kMostRows) return {};
+    of_one_length = std::move(longer);
+  }
+  return out;
+}
+
+/// Products of 2 to `most` of `count` curves, drawn by `draw`; of training every other one is a curve's own power.
+std::vector<Factors> drawn_products(std::size_t count, int most, std::uint32_t draw) {
+  std::vector<Factors> out(draw == kTraining ? kMostRows : std::clamp(kRowsOfACurve * count, kRowsOfACurve, kMostRows));
+  for (std::size_t r = 0; r < out.size(); ++r) {
     const auto random = [&](std::uint32_t what) { return rc_hash(static_cast<std::uint32_t>(r), what, 0, draw); };
-    const int length = 2 + static_cast<int>(random(0) % static_cast<std::uint32_t>(most - 1));
+    const std::uint32_t length = 2 + random(0) % static_cast<std::uint32_t>(most - 1);
     const bool power = draw == kTraining && r % 2 == 0;
+    for (std::uint32_t f = 0; f < length; ++f) out[r].push_back(power ? r / 2 % count : random(1 + f) % count);
+  }
+  return out;
+}
+
+/// A row of each product on the grid, its largest value 1.
+Eigen::MatrixXd rows_of(const std::vector<Factors>& products, const Curves& factors) {
+  const std::size_t grid = factors.front().size();
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(products.size()), static_cast<Eigen::Index>(grid));
+  for (std::size_t r = 0; r < products.size(); ++r) {
     std::vector<double> product(grid, 1.0);
-    for (int f = 0; f < length; ++f) {
-      const auto& factor = factors[power ? r / 2 % count : random(1 + static_cast<std::uint32_t>(f)) % count];
-      for (std::size_t i = 0; i < grid; ++i) product[i] *= factor[i];
-    }
+    for (const std::size_t f : products[r])
+      for (std::size_t i = 0; i < grid; ++i) product[i] *= factors[f][i];
     const double largest = std::max(1e-300, *std::max_element(product.begin(), product.end()));
     for (std::size_t i = 0; i < grid; ++i)
       out(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i)) = product[i] / largest;
@@ -124,9 +148,10 @@ double judge(const Eigen::MatrixXd& rows, const Picked& picked, const Eigen::Mat
 
 void fit_skeleton(Bounces& out, const Plan& plan, const Curves& factors, double share) {
   const int most = std::clamp(out.levels + 1, 2, kMostFactors);
-  const Picked picked =
-      pick_columns(products_of(factors, most, kTraining), static_cast<Eigen::Index>(kMostWavelengths));
-  const Eigen::MatrixXd unseen = products_of(factors, most, kJudging);
+  std::vector<Factors> training = every_product(factors.size(), most);
+  if (training.empty()) training = drawn_products(factors.size(), most, kTraining);
+  const Picked picked = pick_columns(rows_of(training, factors), static_cast<Eigen::Index>(kMostWavelengths));
+  const Eigen::MatrixXd unseen = rows_of(drawn_products(factors.size(), most, kJudging), factors);
   const std::size_t all = picked.column.size();
   Eigen::MatrixXd basis;
   for (std::size_t count = std::min(kStep, all);; count = std::min(count + kStep, all)) {

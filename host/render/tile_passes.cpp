@@ -64,6 +64,7 @@ std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& se
 void add_counts(RenderStatistics& sum, const RenderStatistics& part) {
   for (const auto& [stage, seconds] : part.stage_s) sum.stage_s[stage] += seconds;
   sum.primary_rays += part.primary_rays, sum.sun_rays += part.sun_rays, sum.sky_rays += part.sky_rays;
+  sum.paths += part.paths;
   sum.band_samples += part.band_samples;
   sum.overflow_pixels += part.overflow_pixels, sum.per_sample_pixels += part.per_sample_pixels;
 }

@@ -177,7 +177,8 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
   const double hit_rays = hit / std::max(1u, pixels) * rays;
   if (setup_.plan.sun_up) statistics_.sun_rays += static_cast<std::uint64_t>(hit_rays);
   if (shape.sky_shadows && setup_.plan.components() > 0)
-    statistics_.sky_rays += static_cast<std::uint64_t>(hit / std::max(1u, pixels) * pixels * setup_.plan.sky.rays);
+    statistics_.sky_rays += static_cast<std::uint64_t>(hit * setup_.plan.sky.rays);
+  statistics_.paths += static_cast<std::uint64_t>(hit * setup_.plan.paths());
   statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
 }
 

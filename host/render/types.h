@@ -50,6 +50,7 @@ struct ReplicateSpread {
 struct RenderStatistics {
   std::map<std::string, double> stage_s;  ///< wall seconds by stage, of a device's from launch to end
   std::uint64_t primary_rays = 0, sun_rays = 0, sky_rays = 0;
+  std::uint64_t paths = 0;  ///< of light between surfaces; how far each goes is chance, and known to the device alone
   std::uint64_t band_samples = 0;
   std::uint64_t overflow_pixels = 0;    ///< pixels that left the first row capacity
   std::uint64_t per_sample_pixels = 0;  ///< pixels past the largest row

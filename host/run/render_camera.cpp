@@ -89,6 +89,7 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.plan_json = plan_json(job).dump(2);
   const nlohmann::json rows = {{"overflow_pixels", statistics.overflow_pixels},
                                {"per_sample_pixels", statistics.per_sample_pixels},
+                               {"light_paths", statistics.paths},
                                {"terms_p50", statistics.terms_p50},
                                {"terms_p95", statistics.terms_p95},
                                {"tile_lines", statistics.tile_lines},
