@@ -5,6 +5,10 @@ raycube_test(render_shapes SOURCES oracle/render_shapes_test.cpp LIBS raycube_re
 raycube_test(render_leaves SOURCES oracle/render_leaves_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_bounces SOURCES oracle/render_bounces_test.cpp LIBS raycube_render_support raycube_test_scenes
   LABELS fast)
+if(TARGET raycube_reference)
+  raycube_test(bounces_reference SOURCES cross/bounces_reference_test.cpp
+               LIBS raycube::run raycube_test_scenes raycube_reference raycube_render_support LABELS fast device)
+endif()
 # Without a device: what takes the strips.
 raycube_test(any_order SOURCES unit/any_order_test.cpp LIBS raycube::run raycube_render_support LABELS fast)
 raycube_test(render_plane SOURCES oracle/render_plane_test.cpp LIBS raycube_render_support LABELS fast)

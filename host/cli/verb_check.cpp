@@ -94,7 +94,7 @@ std::vector<std::string> not_looked_at(const run::CameraJob& job) {
   if (job.instrument->adaptive())
     lines.push_back("which pixels the adaptive first pass settles: here all have all samples");
   if (job.plan.bounces.levels > 0)
-    lines.push_back("light between surfaces: both sides are compared without it");
+    lines.push_back("light between surfaces pixel by pixel: the paths are not the same, and only sums are compared");
   return lines;
 }
 

@@ -3,31 +3,12 @@
 #include <numbers>
 
 #include "host/base/error.h"
+#include "host/reference/plan_nodes.h"
 #include "host/reference/radiance.h"
 #include "host/reference/spread.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::reference {
-
-namespace {
-
-/// Linear weights of a value on an axis of the plan: node `low` takes 1 - f, the next one f.
-struct NodeWeight {
-  int low = 0;
-  double f = 0;
-};
-
-NodeWeight locate(const plan::NodeAxis& axis, double value) {
-  if (axis.count < 2) return {};
-  const double last = axis.count - 1;
-  const double t = std::clamp((value - static_cast<double>(axis.first)) / static_cast<double>(axis.step), 0.0, last);
-  const int low = std::min(static_cast<int>(t), axis.count - 2);
-  return {low, t - low};
-}
-
-double weight_of(const NodeWeight& w, int node) { return node == w.low ? 1 - w.f : node == w.low + 1 ? w.f : 0; }
-
-}  // namespace
 
 std::vector<std::vector<double>> curves_on(const scene::CompiledScene& scene,
                                            const std::vector<double>& wavelength_um) {
@@ -127,7 +108,7 @@ void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample
   const shared::Surface& surface = scene::matter_of(scene_, sample.hit.primitive);
   for (int ih = 0; ih < plan_.height.count; ++ih)
     for (int iv = 0; iv < plan_.view.count; ++iv) {
-      const double weight = sample.weight * scalar * weight_of(h, ih) * weight_of(v, iv);
+      const double weight = sample.weight * scalar * h.of(ih) * v.of(iv);
       if (weight == 0) continue;
       const std::vector<double>& light =
           plan_.source_spectrum[static_cast<std::size_t>((source * plan_.height.count + ih) * plan_.view.count + iv)];
@@ -160,8 +141,7 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
     for (int k = 0; k < plan_.thermal.nodes(); ++k)
       for (int ih = 0; ih < plan_.height.count; ++ih)
         for (int iv = 0; iv < plan_.view.count; ++iv) {
-          const double w = sample.weight * static_cast<double>(surface.fraction[m]) * weight_of(at, k) *
-                           weight_of(h, ih) * weight_of(v, iv);
+          const double w = sample.weight * static_cast<double>(surface.fraction[m]) * at.of(k) * h.of(ih) * v.of(iv);
           if (w == 0) continue;
           const std::vector<double>& light = plan_.source_spectrum[static_cast<std::size_t>(
               ((plan_.first_emission() + k) * plan_.height.count + ih) * plan_.view.count + iv)];
@@ -212,7 +192,7 @@ void ArithmeticModel::add_path(const SampledPixel& pixel, const Sample& sample, 
   for (int ih = 0; ih < plan_.height.count; ++ih)
     for (int iy = 0; iy < plan_.path_y.count; ++iy)
       for (int ix = 0; ix < plan_.path_x.count; ++ix) {
-        const double weight = sample.weight * weight_of(h, ih) * weight_of(y, iy) * weight_of(x, ix);
+        const double weight = sample.weight * h.of(ih) * y.of(iy) * x.of(ix);
         if (weight == 0) continue;
         const std::vector<double>& light =
             plan_.path_spectrum[static_cast<std::size_t>((ih * plan_.path_y.count + iy) * plan_.path_x.count + ix)];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "host/reference/bounced_report.h"
 #include "host/reference/first_hits.h"
 #include "host/reference/radiance.h"
 #include "host/reference/tie_search.h"
@@ -75,6 +76,7 @@ struct Report {
   ModelDifference model_environment;
   bool thermal = false;
   ModelDifference model_emission, model_surroundings;
+  BouncedReport bounced;  ///< of its own pixels; the figures above are of light scattered once
   /// log10 of each pixel's relative difference, [pixel in order of number][band]
   std::vector<std::vector<float>> picture;
   std::vector<std::uint32_t> picture_line;  ///< image line of each of its rows

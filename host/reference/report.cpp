@@ -39,6 +39,21 @@ nlohmann::ordered_json json_of(const HitReport& report) {
   return out;
 }
 
+nlohmann::ordered_json json_of(const BouncedReport& report) {
+  nlohmann::ordered_json out = {{"pixels", report.pixels},
+                                {"paths", report.paths},
+                                {"skeleton_error", report.skeleton_error},
+                                {"limit_standard_errors", BouncedReport::kApart},
+                                {"worst_band", report.worst()}};
+  for (const auto& band : report.bands) {
+    out["device"].push_back(band.device);
+    out["reference"].push_back(band.reference);
+    out["standard_error"].push_back(band.error);
+    out["apart"].push_back(report.apart(band));
+  }
+  return out;
+}
+
 std::uint64_t unexplained(const Report& r) { return r.hits[static_cast<std::size_t>(Cause::unexplained)]; }
 
 }  // namespace
@@ -84,6 +99,7 @@ std::vector<std::string> Report::failures() const {
   if (model_pixels > 0 && !(model_total.figure <= limits.model))
     out.push_back("the full tables differ by " + three_digits(model_total.figure) + " in band " +
                   std::to_string(model_total.band + 1) + ", tolerance " + three_digits(limits.model));
+  for (const std::string& failure : bounced.failures()) out.push_back(failure);
   return out;
 }
 
@@ -115,6 +131,7 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
   if (model_pixels > 0 && thermal)
     out += ", emission " + three_digits(model_emission.figure) + ", surroundings at one temperature " +
            three_digits(model_surroundings.figure);
+  out += bounced.text();
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }
@@ -156,6 +173,7 @@ std::string Report::json() const {
   }
   if (model_pixels > 0 && adjacency)
     out["model"]["environment"] = {{"figure", model_environment.figure}, {"band", model_environment.band}};
+  if (!bounced.bands.empty()) out["light_between_surfaces"] = json_of(bounced);
   for (const BandDifference& band : bands) {
     out["band_median"].push_back(band.median);
     out["band_rms"].push_back(band.rms);

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "host/render/tile_passes.h"
+#include "host/run/check_bounced.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
 #include "kernels/shared/tile_layout.h"
@@ -19,20 +20,6 @@ constexpr std::size_t kHitBatch = std::size_t{1} << 20;
 
 constexpr rc_u32 kSmallObjectDimension = 49;  ///< of the hash: no sampler uses it
 
-/// Where pixel p of a tile lies, and its group among the tile's.
-reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p, int width) {
-  const int line = static_cast<int>(p) / probe.tile.columns, column = static_cast<int>(p) % probe.tile.columns;
-  reference::PixelAddress address;
-  address.line = static_cast<std::uint32_t>(probe.tile.first_line + line);
-  address.sample = static_cast<std::uint32_t>(probe.tile.first_column + column);
-  address.group =
-      probe.groups[shared::rc_group_of(static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(probe.tile.columns),
-                                       static_cast<std::uint32_t>(width))];
-  address.lane = column % width;
-  address.group_width = width;
-  return address;
-}
-
 /// Device and reference in full, on the pixels of these tiles.
 reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulation& simulation,
                                 const scene::Instrument& instrument, const plan::Plan& plan,
@@ -47,7 +34,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
   compare.model_pixels = options.model_pixels;
   compare.model_directions = options.model_directions;
   plan::Plan once = plan;
-  once.bounces = {};  // light between surfaces is not looked at here
+  once.bounces = {};  // light between surfaces is check_bounced's matter
   reference::Comparison comparison(simulation.scene, once, instrument, simulation.seed, compare);
   const int width = sensors::pixels_per_group(instrument);
   std::vector<reference::DevicePixel> waiting;
@@ -56,35 +43,53 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
     if (progress) progress(waiting.size());
     waiting.clear();
   };
-  scene::Instrument in_full = instrument;  // adaptive pixels and means of replicates keep no samples to compare
-  in_full.first_samples = 0;
-  in_full.replicates = 1;                            // the others are traced alike
-  in_full.small_objects = scene::SmallObjects::off;  // theirs are check_small_objects' matter
-  renderer.probe(in_full, once, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe& probe) {
-    const auto samples = static_cast<std::size_t>(probe.samples);
-    const std::size_t bands = plan.bands.size();
-    for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
-      reference::DevicePixel& pixel = waiting.emplace_back();
-      pixel.address = address_of(probe, p, width);
-      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
-        pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
-      const std::size_t sides = static_cast<std::size_t>(probe.sides) * samples,
-                        values = sides * static_cast<std::size_t>(RC_SKY_PLANES_OF(plan.components()));
-      const auto of_pixel = [p](const auto& all, std::size_t count) {
-        const auto begin = all.begin() + static_cast<std::ptrdiff_t>(p * count);
-        return std::remove_cvref_t<decltype(all)>(begin, begin + static_cast<std::ptrdiff_t>(count));
-      };
-      pixel.sun_visible = of_pixel(probe.sun_visible, sides);
-      pixel.sky_met = of_pixel(probe.sky_met, values);
-      pixel.radiance = of_pixel(probe.radiance, bands);
-    }
-    if (waiting.size() >= kBatch) flush();
-  });
+  renderer.probe(compared_in_full(instrument), once, simulation.sun, simulation.seed, tiles,
+                 [&](const render::PixelProbe& probe) {
+                   const auto samples = static_cast<std::size_t>(probe.samples);
+                   const std::size_t bands = plan.bands.size();
+                   for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
+                     reference::DevicePixel& pixel = waiting.emplace_back();
+                     pixel.address = address_of(probe, p, width);
+                     for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
+                       pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
+                     const std::size_t sides = static_cast<std::size_t>(probe.sides) * samples,
+                                       values = sides * static_cast<std::size_t>(RC_SKY_PLANES_OF(plan.components()));
+                     const auto of_pixel = [p](const auto& all, std::size_t count) {
+                       const auto begin = all.begin() + static_cast<std::ptrdiff_t>(p * count);
+                       return std::remove_cvref_t<decltype(all)>(begin, begin + static_cast<std::ptrdiff_t>(count));
+                     };
+                     pixel.sun_visible = of_pixel(probe.sun_visible, sides);
+                     pixel.sky_met = of_pixel(probe.sky_met, values);
+                     pixel.radiance = of_pixel(probe.radiance, bands);
+                   }
+                   if (waiting.size() >= kBatch) flush();
+                 });
   flush();
   return comparison.report();
 }
 
 }  // namespace
+
+reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p, int width) {
+  const int line = static_cast<int>(p) / probe.tile.columns, column = static_cast<int>(p) % probe.tile.columns;
+  reference::PixelAddress address;
+  address.line = static_cast<std::uint32_t>(probe.tile.first_line + line);
+  address.sample = static_cast<std::uint32_t>(probe.tile.first_column + column);
+  address.group =
+      probe.groups[shared::rc_group_of(static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(probe.tile.columns),
+                                       static_cast<std::uint32_t>(width))];
+  address.lane = column % width;
+  address.group_width = width;
+  return address;
+}
+
+scene::Instrument compared_in_full(const scene::Instrument& instrument) {
+  scene::Instrument out = instrument;
+  out.first_samples = 0;
+  out.replicates = 1;                            // the others are traced alike
+  out.small_objects = scene::SmallObjects::off;  // theirs are check_small_objects' matter
+  return out;
+}
 
 reference::HitReport check_hits(render::Renderer& renderer, const scene::CompiledScene& scene,
                                 const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays,
@@ -185,6 +190,12 @@ CameraCheck check_camera(render::Renderer& renderer, const scene::Simulation& si
                                     [&](std::uint64_t more) { step.advance(more); });
   }
   check.report.first_hits = std::move(hits);
+  if (job.plan.bounces.levels > 0) {
+    const Step step(services, "light between surfaces of " + instrument.name,
+                    expected(std::min(options.pixels, kBouncedPixels)), "pixels");
+    check.report.bounced = check_bounced(renderer, simulation, instrument, job.plan, options,
+                                         [&](std::uint64_t more) { step.advance(more); });
+  }
   check.small = check_small_objects(renderer, simulation, instrument, job.plan, job.table, job.decision.small, options);
   return check;
 }

@@ -21,6 +21,13 @@ struct CheckOptions {
   int threads = 0;  ///< of the reference; 0: all
 };
 
+/// Where pixel p of a tile lies, and its group among the tile's; width: pixels of a group.
+reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p, int width);
+
+/// The instrument with the samples of every pixel traced once and kept: adaptive pixels and means of replicates keep
+/// none to compare.
+scene::Instrument compared_in_full(const scene::Instrument& instrument);
+
 /// First hits of at least `rays` rays (of all when the image has fewer), device against Embree and double. Tiles of the
 /// image picked as above; memory does not grow with `rays`. `progress`: called with the number of rays compared since
 /// the last call.

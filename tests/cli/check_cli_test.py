@@ -172,6 +172,20 @@ with tempfile.TemporaryDirectory() as folder:
     done = run("check", work / "garden" / "noisy.toml", *few, "--json", status=1)
     check(json.loads(done.stdout)["camera"]["passed"] is False)
 
+    # Light between surfaces, by sums over pixels: other paths on either side.
+    bounced, changed = re.subn(r"(?m)^seed = .*$", r"\g<0>\nbounces = 2", toml)
+    check(changed == 1, toml)
+    (work / "garden" / "bounced.toml").write_text(bounced)
+    done = run("check", work / "garden" / "bounced.toml", "--rays", 1000, "--pixels", 64, "--model-pixels", 0, "--json")
+    report = json.loads(done.stdout)["camera"]
+    check(report["passed"], report["failures"])
+    paths = report["light_between_surfaces"]
+    check(paths["pixels"] == 64 and paths["paths"] == 64 * 256, paths)
+    check(len(paths["apart"]) == len(report["band_median"]))
+    check(max(paths["apart"]) < 5 == paths["limit_standard_errors"])
+    check(min(paths["device"]) > 0 and min(paths["standard_error"]) > 0)
+    check(max(e / l for e, l in zip(paths["standard_error"], paths["reference"])) < 0.2)
+
     # Pixels of more samples than one launch takes.
     dense, changed = re.subn(r"(?m)^samples\s*=.*$", "samples = { grid = [34, 34] }", toml)
     check(changed == 1, toml)

@@ -1,0 +1,148 @@
+#include "host/reference/bounced_light.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "host/reference/plan_nodes.h"
+#include "host/reference/spread.h"
+#include "kernels/sampling/sampler.h"
+#include "scene_compiler/matter.h"
+
+namespace raycube::reference {
+
+namespace {
+
+constexpr std::uint32_t kFirstDraw = 1000;  ///< of rc_hash; the device's dimensions end far below
+
+/// Unit vector by the cosine about a normal, for u and v uniform in [0, 1).
+glm::dvec3 by_cosine(const glm::dvec3& normal, double u, double v) {
+  const glm::dvec3 other = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 across = glm::normalize(glm::cross(normal, other)), along = glm::cross(normal, across);
+  const double turn = 2 * std::numbers::pi * v;
+  return std::sqrt(u) * (std::cos(turn) * across + std::sin(turn) * along) + std::sqrt(1 - u) * normal;
+}
+
+/// The side of a surface where the light of a path came from, or the other.
+const Sample* side_of(const SampledPixel& at, bool through) {
+  if (!through) return &at.samples[0];
+  return at.far_sides.empty() || at.far_sides[0].hit.miss() ? nullptr : &at.far_sides[0];
+}
+
+}  // namespace
+
+struct BouncedLight::Walk {
+  std::uint64_t seed;
+  std::uint32_t pixel, path, drawn = 0;
+  Spectrum carried;              ///< what the viewer sees of a unit of radiance that comes back
+  std::vector<Spectrum> gained;  ///< [sun, then the sun's sky's components]
+  Sample from{};                 ///< the side that the path leaves
+  glm::dvec3 way{0};             ///< unit
+
+  double draw() {
+    return static_cast<double>(
+        rc_unit_float(rc_hash(static_cast<std::uint32_t>(seed), pixel, path, kFirstDraw + drawn++)));
+  }
+  void add(std::size_t source, double scalar, const Spectrum& times) {
+    for (std::size_t i = 0; i < carried.size(); ++i) gained[source][i] += scalar * carried[i] * times[i];
+  }
+};
+
+BouncedLight::BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, int levels)
+    : scene_(scene), plan_(plan), levels_(levels), curve_(curves_on(scene.compiled, plan.wavelength_um)) {}
+
+BouncedLight::Spectrum BouncedLight::scattered(const Sample& side) const {
+  Spectrum out(plan_.wavelength_um.size(), 0.0);
+  scene::for_each_material(scene::matter_of(scene_.compiled, side.hit.primitive),
+                           [&](std::size_t material, float fraction) {
+                             const auto id = rc_curve_id(rc_curve_of_side(side.side), static_cast<rc_id>(material),
+                                                         scene::material_count(scene_.compiled));
+                             for (std::size_t i = 0; i < out.size(); ++i)
+                               out[i] += static_cast<double>(fraction) * curve_[id - 1][i];
+                           });
+  return out;
+}
+
+void BouncedLight::add_sun(const SampledPixel& at, Walk& walk) const {
+  if (plan_.sun_sources == 0) return;
+  for (const bool through : {false, true}) {
+    const Sample* side = side_of(at, through);
+    if (side && side->sun_visible)
+      walk.add(0, side->cos_sun * spread(scene_.compiled, *side, to_double(plan_.sun_direction)), scattered(*side));
+  }
+}
+
+void BouncedLight::add_sky(const glm::dvec3& way, Walk& walk) const {
+  const std::array<double, 8> light = sky_light(plan_, way);
+  const Spectrum one(walk.carried.size(), 1.0);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(plan_.sky_components); ++c)
+    walk.add(static_cast<std::size_t>(plan_.sun_sources) + c, std::numbers::pi * light[c], one);
+}
+
+bool BouncedLight::turn(const SampledPixel& at, Walk& walk) const {
+  const bool leaf = side_of(at, true) != nullptr, through = leaf && walk.draw() < 0.5;
+  const Sample& side = *side_of(at, through);
+  const double u = walk.draw(), v = walk.draw();
+  walk.way = by_cosine(side.normal, u, v);
+  walk.from = side;
+  const double factor = (leaf ? 2 : 1) * spread(scene_.compiled, side, walk.way);
+  const Spectrum curve = scattered(side);
+  for (std::size_t i = 0; i < curve.size(); ++i) walk.carried[i] *= factor * curve[i];
+  return factor > 0;
+}
+
+SampledPixel BouncedLight::stand(const Walk& walk, const Hit& hit) const {
+  SampledPixel at;
+  Sample& sample = at.samples.emplace_back();
+  sample.ray = {rounded(walk.from.point), rounded(walk.way), {}};
+  sample.hit = hit;
+  if (plan_.matter.sides > 1) at.far_sides.resize(1);
+  scene_.place(at, 0, plan_);
+  return at;
+}
+
+std::vector<double> BouncedLight::at_sensor(const SampledPixel& pixel, const Sample& first, const Walk& walk) const {
+  const NodeWeight h = locate(plan_.height, first.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
+  Spectrum sum(plan_.wavelength_um.size(), 0.0);
+  for (std::size_t source = 0; source < walk.gained.size(); ++source)
+    for (int ih = 0; ih < plan_.height.count; ++ih)
+      for (int iv = 0; iv < plan_.view.count; ++iv) {
+        const double weight = h.of(ih) * v.of(iv);
+        if (weight == 0) continue;
+        const int channel = (static_cast<int>(source) * plan_.height.count + ih) * plan_.view.count + iv;
+        const Spectrum& light = plan_.source_spectrum[static_cast<std::size_t>(channel)];
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * walk.gained[source][i] * light[i];
+      }
+  return band_values(plan_, sum);
+}
+
+std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64_t seed, std::uint32_t path) const {
+  const std::size_t grid = plan_.wavelength_um.size(),
+                    sources = static_cast<std::size_t>(plan_.sun_sources + plan_.sky_components);
+  Walk walk{seed, pixel.number, path, 0, Spectrum(grid, 1.0), std::vector<Spectrum>(sources, Spectrum(grid, 0.0))};
+  double left = walk.draw();
+  std::size_t chosen = 0;
+  while (chosen + 1 < pixel.samples.size() && (left -= pixel.samples[chosen].weight) >= 0) ++chosen;
+  const Sample& first = pixel.samples[chosen];
+  if (first.hit.miss()) return std::vector<double>(plan_.bands.size(), 0.0);
+  SampledPixel at;
+  at.samples = {first};
+  if (!pixel.far_sides.empty()) at.far_sides = {pixel.far_sides[chosen]};
+  for (int level = 0; turn(at, walk); ++level) {
+    if (level == levels_) {
+      if (scene_.sees(walk.from, walk.way)) add_sky(walk.way, walk);
+      break;
+    }
+    const Hit hit = scene_.meets(walk.from, walk.way);
+    if (hit.miss()) {
+      if (level > 0) add_sky(walk.way, walk);  // else it is light scattered once
+      break;
+    }
+    at = stand(walk, hit);
+    add_sun(at, walk);
+  }
+  return at_sensor(pixel, first, walk);
+}
+
+}  // namespace raycube::reference

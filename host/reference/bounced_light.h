@@ -1,0 +1,40 @@
+// Light that came by two surfaces and more (docs/light.md, Light between surfaces), by paths of the reference's own:
+// other draws than the device's, in double, by Embree, whole spectra along them, each followed to its last surface.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/reference/radiance.h"
+
+namespace raycube::reference {
+
+class BouncedLight {
+ public:
+  /// Keeps references; levels: surfaces after the first, at least 1.
+  BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, int levels);
+
+  /// By one path of a pixel: W m-2 sr-1 um-1 at the sensor, [band]. Its mean over paths is the pixel's light without
+  /// that which was scattered once; its spread is that of one path. Sun and the sun's sky, as the plan has them.
+  std::vector<double> by_path(const SampledPixel& pixel, std::uint64_t seed, std::uint32_t path) const;
+
+ private:
+  struct Walk;
+  using Spectrum = std::vector<double>;  ///< on the plan's grid
+
+  /// One side of a surface on which a path stands.
+  Spectrum scattered(const Sample& side) const;
+  void add_sun(const SampledPixel& at, Walk& walk) const;
+  void add_sky(const glm::dvec3& way, Walk& walk) const;
+  /// Chooses side and direction in which the path goes on; false: it does not.
+  bool turn(const SampledPixel& at, Walk& walk) const;
+  SampledPixel stand(const Walk& walk, const Hit& hit) const;
+  std::vector<double> at_sensor(const SampledPixel& pixel, const Sample& first, const Walk& walk) const;
+
+  const ReferenceScene& scene_;
+  const plan::Plan& plan_;
+  int levels_;
+  std::vector<Spectrum> curve_;  ///< [curve - 1], curves_on
+};
+
+}  // namespace raycube::reference

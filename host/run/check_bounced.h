@@ -1,0 +1,22 @@
+// Light between surfaces: the device's sums over some pixels against paths of the reference.
+#pragma once
+
+#include <functional>
+
+#include "host/reference/bounced_report.h"
+#include "host/run/check_instrument.h"
+
+namespace raycube::run {
+
+/// Of kBouncedPixels pixels, or as many as the options ask where those are fewer; empty where the plan has none. The
+/// device renders them kBouncedDraws times, each with other paths, and as often without any: by what these scatter its
+/// own error is known.
+inline constexpr std::uint64_t kBouncedPixels = 256;
+inline constexpr std::uint32_t kBouncedPaths = 256;  ///< of the reference, a pixel
+inline constexpr std::uint32_t kBouncedDraws = 16;
+reference::BouncedReport check_bounced(render::Renderer& renderer, const scene::Simulation& simulation,
+                                       const scene::Instrument& instrument, const plan::Plan& plan,
+                                       const CheckOptions& options,
+                                       const std::function<void(std::uint64_t)>& progress = {});
+
+}  // namespace raycube::run

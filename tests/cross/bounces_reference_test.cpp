@@ -1,0 +1,90 @@
+// Light between surfaces of a wood against paths of another code: Embree, double, whole spectra, other draws.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "host/run/check_bounced.h"
+#include "host/sensors/view_bounds.h"
+#include "tests/support/render_kit.h"
+#include "tests/support/skies.h"
+#include "tests/support/test_scenes.h"
+
+namespace {
+
+using namespace raycube;
+
+constexpr int kPixels = 12;
+const std::vector<double> kCentres = {0.45, 0.55, 0.67, 0.75, 0.86, 1.6};
+
+/// From nodes of 20 nm, as the table of the air has them.
+scene::Curve curve(const std::function<double(double)>& value) {
+  scene::Curve out;
+  for (int i = 0; i <= 120; ++i) {
+    out.wavelength_um.push_back(0.3 + 0.02 * i);
+    out.value.push_back(value(out.wavelength_um.back()));
+  }
+  return out;
+}
+
+double step(double l, double at, double width) { return 1 / (1 + std::exp((at - l) / width)); }
+
+/// Eight crowns of leaves, turned, tilted and stretched, on rough ground with a bright box among them.
+scene::Simulation wood() {
+  scene::Simulation simulation;
+  scene::CompiledScene& scene = simulation.scene;
+  const auto ground = test::add_material(scene, "ground", 0.3), leaf = test::add_material(scene, "leaf", 0.4),
+             wall = test::add_material(scene, "wall", 0.6);
+  scene.materials[0].reflectance = curve([](double l) { return 0.1 + 0.15 * std::min(l, 1.5); });
+  scene.materials[0].front = {RC_SHAPE_oren_nayar, {30, 0}};
+  scene.materials[1].reflectance = curve([](double l) { return 0.05 + 0.42 * step(l, 0.71, 0.015); });
+  scene.materials[1].transmittance = curve([](double l) { return 0.03 + 0.40 * step(l, 0.71, 0.02); });
+  scene.materials[2].reflectance = curve([](double l) { return 0.5 + 0.2 * std::sin(6 * l); });
+  test::place(scene, test::rectangle({-60, -60, 0}, {120, 0, 0}, {0, 120, 0}, ground));
+  test::place(scene, test::box({-1, -2, 0}, {2, 1, 3}, wall));
+  scene::TriangleMesh crown = test::crown(600, 0.4, 2.2, 5);
+  crown.surface.assign(crown.triangles.size(), leaf);
+  const std::uint32_t tree = append_mesh(scene, "crown", crown);
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const double turn = 2 * std::numbers::pi * i / 8;
+    append_instance(scene, tree,
+                    test::placement(1.3 * i, 0.2 * (i % 3), 0.8 + 0.1 * (i % 4), 4.5 * std::cos(turn),
+                                    4.5 * std::sin(turn), 2.5 + 0.3 * (i % 2)),
+                    i + 2);
+  }
+  finish_top_tree(scene);
+  simulation.seed = 3;
+  simulation.sky_directions = 64;
+  simulation.tolerance = 0.01;
+  simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 150;
+  scene::Instrument camera = test::nadir_camera(kPixels, kPixels, 300, 1.0);
+  camera.bands = test::gaussian_bands(kCentres, 0.02);
+  camera.samples_u = camera.samples_v = 4;
+  simulation.instruments = {camera};
+  return simulation;
+}
+
+}  // namespace
+
+TEST_CASE("S16 LIGHT 2: light between surfaces in a wood is that of another code's paths, band by band") {
+  // As `raycube check` looks at it. Standard errors are of both sides' own scatter.
+  const atmos::RenderTable air = test::clear_sky(40);
+  for (const int levels : {1, 4}) {
+    scene::Simulation simulation = wood();
+    simulation.bounces = levels;
+    const scene::Instrument& camera = simulation.instruments[0];
+    const plan::Plan plan = plan::make_plan(simulation, camera, air, sensors::view_bounds(camera));
+    render::Renderer renderer(simulation.scene, {});
+    const reference::BouncedReport report = run::check_bounced(renderer, simulation, camera, plan, {});
+    MESSAGE(levels << " surfaces after the first, a skeleton of " << plan.bounces.skeleton.size() << ":"
+                   << report.text());
+    CHECK(report.pixels == kPixels * kPixels);
+    REQUIRE(report.bands.size() == kCentres.size());
+    for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
+    for (const auto& band : report.bands) {
+      CAPTURE(band.device / band.reference);
+      CHECK(report.apart(band) < 4);
+      CHECK(band.error < 0.02 * band.reference);
+    }
+  }
+}
