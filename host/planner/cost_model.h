@@ -20,9 +20,9 @@ struct PixelCounts {
 /// Nominal seconds: two cores of an AVX-512 server, PoCL (bench/RESULTS.md, park, figures of rays that face their
 /// light). A sample pays for its ray, its surface point and its shading. What counts for a choice is what one more
 /// takes: a sky ray 2.3 times a sample with its sun ray (0.116 and 0.040 us in the park, 0.08 and 0.065 on the peer
-/// scene, 2026-11-25; all of them over their number are 0.143 and 0.076, 0.126 and 0.099). A ray of
-/// a path, of the 2 N that a path of N levels may have, takes 0.47 of a sky ray, since most paths end before (0.16 and
-/// 0.34 us: park, 34 samples, 24 rays and paths, 4 levels, a server with AVX2 alone, 2026-11-26).
+/// scene, 2026-11-25; all of them over their number are 0.143 and 0.076, 0.126 and 0.099). A ray of a path,
+/// of the 2 N that a path of N levels may have, takes 0.47 of a sky ray, since most paths end before (0.16 and 0.34 us:
+/// park, 34 samples, 24 rays and paths, 4 levels, a server with AVX2 alone, 2026-11-26).
 struct CostModel {
   double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.15e-7, path_ray_s = 5.4e-8, term_band_s = 1.5e-10;
   double seconds(const PixelCounts& c) const {

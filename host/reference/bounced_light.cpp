@@ -24,7 +24,7 @@ glm::dvec3 by_cosine(const glm::dvec3& normal, double u, double v) {
   return std::sqrt(u) * (std::cos(turn) * across + std::sin(turn) * along) + std::sqrt(1 - u) * normal;
 }
 
-/// The side of a surface where the light of a path came from, or the other.
+/// The side of a surface that the path came to, or the one behind it; null where nothing goes through.
 const Sample* side_of(const SampledPixel& at, bool through) {
   if (!through) return &at.samples[0];
   return at.far_sides.empty() || at.far_sides[0].hit.miss() ? nullptr : &at.far_sides[0];

@@ -22,13 +22,15 @@ class BouncedLight {
   struct Walk;
   using Spectrum = std::vector<double>;  ///< on the plan's grid
 
-  /// One side of a surface on which a path stands.
+  /// Share of the light falling onto a side that goes to the path's viewer: its materials' curves by their fractions.
   Spectrum scattered(const Sample& side) const;
   void add_sun(const SampledPixel& at, Walk& walk) const;
   void add_sky(const glm::dvec3& way, Walk& walk) const;
   /// Chooses side and direction in which the path goes on; false: it does not.
   bool turn(const SampledPixel& at, Walk& walk) const;
+  /// Both sides of the surface that a path's ray met, lit or not by the sun, as of a pixel with one sample.
   SampledPixel stand(const Walk& walk, const Hit& hit) const;
+  /// Radiance of the bands at the pixel's sensor, by the nodes of the point that it sees.
   std::vector<double> at_sensor(const SampledPixel& pixel, const Sample& first, const Walk& walk) const;
 
   const ReferenceScene& scene_;

@@ -1,5 +1,5 @@
 // Device against reference, pixel by pixel, on the same fp32 rays: hits, sun, radiance of every band, and the full
-// tables.
+// tables. Light between surfaces, of which paths differ, has a report of its own in it.
 #pragma once
 
 #include <array>
