@@ -179,6 +179,7 @@ struct Setting {
   const std::vector<double>& covered_um;
   std::size_t first;  ///< number of covered_um[0] on the table's axis
   double share;       ///< of typical radiance that one block may be off by
+  int threads;
 };
 
 /// Sunlight's sky, the thermal one, and what emits.
@@ -190,8 +191,8 @@ struct Light {
   std::vector<double> typical;
 
   Light(const Setting& at, ThermalUse use)
-      : sky(at.air, at.domain.z(0.5), at.domain.sun_zenith),
-        thermal_sky(at.air, at.domain.z(0.5), at.domain.sun_zenith, Sky::thermal),
+      : sky(at.air, at.domain.z(0.5), at.domain.sun_zenith, Sky::solar, at.threads),
+        thermal_sky(at.air, at.domain.z(0.5), at.domain.sun_zenith, Sky::thermal, at.threads),
         thermal(std::move(use)) {
     if (thermal.on) {
       emitters = find_emitters(at.simulation.scene, at.simulation.file, thermal.demanded_by);
@@ -343,11 +344,12 @@ void fill_spectra(Plan& plan, const Setting& at, const ChosenSkies& skies) {
   for (int h = 0; h < plan.height.count; ++h) {
     const double z = node_position(plan.height, h);
     Spectrum flux_scale;
-    const SkySpectra component = sky_spectra(skies.solar, air, z, &flux_scale),
-                     emitted_sky = sky_spectra(skies.thermal, air, z);
+    const SkySpectra component = sky_spectra(skies.solar, air, z, &flux_scale, at.threads),
+                     emitted_sky = sky_spectra(skies.thermal, air, z, nullptr, at.threads);
     if (air.has_sky() && air.knows_flux_of_sky())
-      plan.sky_flux.add(z, at.first,
-                        flux_scale.empty() ? sky_flux_scale(air, z, at.domain.sun_zenith) : std::move(flux_scale));
+      plan.sky_flux.add(
+          z, at.first,
+          flux_scale.empty() ? sky_flux_scale(air, z, at.domain.sun_zenith, at.threads) : std::move(flux_scale));
     for (int v = 0; v < plan.view.count; ++v) {
       const double sec = node_position(plan.view, v);
       const auto source = [&](int number) -> std::vector<double>& {
@@ -441,7 +443,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   TableSpectra air(table, simulation.atmosphere.none, plan.sun_up, first, last - first + 1, ground);
   check_view(instrument, view, air.last_view_zenith_rad());
   const BandSpace bands(covered, spectral.wavelength_um, spectral.bands, spectral.mean_reflectance);
-  const Setting setting{simulation, domain, air, bands, spectral, covered, first, kShare * simulation.tolerance};
+  const Setting setting{simulation, domain, air, bands, spectral, covered, first, kShare * simulation.tolerance,
+                        threads};
 
   ThermalUse thermal = thermal_use(simulation, instrument, table, air, domain, bands, spectral, setting.share);
   if (!thermal.on) air.leave_out_emission();

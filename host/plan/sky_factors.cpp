@@ -1,13 +1,14 @@
 #include "host/plan/sky_factors.h"
-#include "host/base/symmetric_modes.h"
-#include "host/base/units.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
 
 #include <Eigen/Dense>
+
+#include "host/base/parallel.h"
+#include "host/base/symmetric_modes.h"
+#include "host/base/units.h"
 
 namespace raycube::plan {
 
@@ -62,8 +63,23 @@ MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double hei
   return radiance;
 }
 
-MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky) {
-  return sample_sky(basis, table, height_m, sky, 0, static_cast<Index>(table.size()));
+/// work(first, count) for every lot of wavelengths.
+template <class Work>
+void each_lot(std::size_t wavelengths, int threads, const Work& work) {
+  base::for_each_index((wavelengths + kTogether - 1) / kTogether, threads, [&](std::size_t lot) {
+    const Index first = static_cast<Index>(lot) * kTogether;
+    work(first, std::min(kTogether, static_cast<Index>(wavelengths) - first));
+  });
+}
+
+MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky, int threads) {
+  MatrixXd radiance(static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
+  each_lot(table.size(), threads, [&](Index first, Index count) {
+    table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad, sky, static_cast<std::size_t>(first),
+                   static_cast<std::size_t>(count),
+                   std::span(radiance.col(first).data(), static_cast<std::size_t>(radiance.rows() * count)));
+  });
+  return radiance;
 }
 
 VectorXd vector_of(const std::vector<double>& v) {
@@ -141,13 +157,20 @@ SkyBasis basis_of(const TableSpectra& table, double sun_zenith_rad, Sky sky) {
 
 /// c_m of every column of the normalised sky (rows m), weighted least squares. Columns of zeros (too faint) get the
 /// mean shape.
-MatrixXd project(const MatrixXd& shape, const MatrixXd& maps, const VectorXd& weight) {
+MatrixXd project(const MatrixXd& shape, const MatrixXd& maps, const VectorXd& weight, int threads = 1) {
   MatrixXd c = MatrixXd::Zero(maps.cols(), shape.cols());
   c.row(0).setOnes();
   if (maps.cols() == 1) return c;
-  const MatrixXd free = maps.rightCols(maps.cols() - 1), dual = free.transpose() * weight.asDiagonal();
-  const Eigen::LDLT<MatrixXd> normal(dual * free);
-  c.bottomRows(maps.cols() - 1) = normal.solve((dual * shape).colwise() - dual * maps.col(0));
+  const auto free = maps.rightCols(maps.cols() - 1);
+  const MatrixXd dual = weight.asDiagonal() * free;
+  const Eigen::LDLT<MatrixXd> normal(dual.transpose() * free);
+  const VectorXd of_mean = dual.transpose() * maps.col(0);
+  MatrixXd right(dual.cols(), shape.cols());
+  each_lot(static_cast<std::size_t>(shape.cols()), threads, [&](Index first, Index count) {
+    for (Index l = first; l < first + count; ++l)  // one by one: a product of matrices packs a copy of all shapes first
+      for (Index m = 0; m < dual.cols(); ++m) right(m, l) = dual.col(m).dot(shape.col(l)) - of_mean[m];
+  });
+  c.bottomRows(dual.cols()) = normal.solve(right);
   for (Index l = 0; l < shape.cols(); ++l)
     if (shape.col(l).isZero(0)) c.col(l).tail(maps.cols() - 1).setZero();
   return c;
@@ -244,6 +267,7 @@ struct SkyFactorizer::Data {
   VectorXd q, irradiance;
   MatrixXd shape;  ///< L / E, [node][wavelength]
   Sky sky = Sky::solar;
+  int threads = 0;
   Spectrum irradiance_list, sampled_list;
 };
 
@@ -252,16 +276,16 @@ bool SkyFactorizer::black() const { return data_->shape.size() == 0; }
 const Spectrum& SkyFactorizer::irradiance() const { return data_->irradiance_list; }
 const Spectrum& SkyFactorizer::sampled_irradiance() const { return data_->sampled_list; }
 
-SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky)
+SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky, int threads)
     : data_(std::make_unique<Data>()) {
   data_->irradiance_list.assign(table.size(), 0.0);
   data_->sampled_list = data_->irradiance_list;
-  data_->sky = sky;
+  data_->sky = sky, data_->threads = threads;
   if (!table.has_sky(sky)) return;
   data_->basis =
       basis_of(table, sky == Sky::thermal ? base::kPi : sun_zenith_rad, sky);  // the thermal one knows of no sun
   data_->q = vector_of(cosine_weights(data_->basis));
-  data_->shape = sample_sky(data_->basis, table, height_m, sky);
+  data_->shape = sample_sky(data_->basis, table, height_m, sky, threads);
   const VectorXd sampled = normalise(data_->shape, data_->q);
   if (!(sampled.maxCoeff() >
         0)) {  // a table with light between ground and air has a sky by name, at night none by light
@@ -310,7 +334,9 @@ SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
   // Where the sky is too small a part of the light to matter, its shape is the mean one: never negative, and no band
   // that nobody sees bends the maps of those that are seen. Its error counts like any other.
   for (double part : importance) out.mean_shape.push_back(part < kUnimportant);
-  const auto fit = [&] { return with_mean_shapes(project(data_->shape, maps, weight), out.mean_shape); };
+  const auto fit = [&] {
+    return with_mean_shapes(project(data_->shape, maps, weight, data_->threads), out.mean_shape);
+  };
   MatrixXd c = fit();
   for (int round = 0;
        round < kLimitings && maps.cols() > 1 && limit(maps, data_->q, mixtures(spectra_of(data_->irradiance, c)));
@@ -332,7 +358,8 @@ SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
   return out;
 }
 
-SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m, Spectrum* flux_scale) {
+SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m, Spectrum* flux_scale,
+                       int threads) {
   SkySpectra out;
   for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
   if (factors.rank == 0) return out;
@@ -341,12 +368,11 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
   const Index wavelengths = static_cast<Index>(table.size());
   MatrixXd c(maps.cols(), wavelengths);
   VectorXd sampled(wavelengths);
-  for (Index first = 0; first < wavelengths; first += kTogether) {  // all of them are 30 MB of fresh pages
-    MatrixXd shape =
-        sample_sky(factors.basis, table, height_m, factors.sky, first, std::min(kTogether, wavelengths - first));
-    sampled.segment(first, shape.cols()) = normalise(shape, q);
-    c.middleCols(first, shape.cols()) = project(shape, maps, weight);
-  }
+  each_lot(table.size(), threads, [&](Index first, Index count) {  // all of them are 30 MB of fresh pages
+    MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky, first, count);
+    sampled.segment(first, count) = normalise(shape, q);
+    c.middleCols(first, count) = project(shape, maps, weight);
+  });
   const double faintest = kFaintest * sampled.maxCoeff();
   for (Index l = 0; l < wavelengths; ++l)
     if (!(sampled[l] > faintest)) c.col(l).tail(c.rows() - 1).setZero();
@@ -358,15 +384,14 @@ double same_sky_scale(double sampled, double flux) {
   return sampled > 0 && flux > 0 ? std::clamp(flux / sampled, 1 / kMostScaled, kMostScaled) : 1;
 }
 
-Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad) {
+Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad, int threads) {
   if (!table.has_sky()) return Spectrum(table.size(), 1.0);
   const SkyBasis basis = basis_of(table, sun_zenith_rad, Sky::solar);
   const VectorXd q = vector_of(cosine_weights(basis));
   VectorXd sampled(static_cast<Index>(table.size()));
-  for (Index first = 0; first < sampled.size(); first += kTogether) {
-    const Index count = std::min(kTogether, sampled.size() - first);
+  each_lot(table.size(), threads, [&](Index first, Index count) {
     sampled.segment(first, count) = sample_sky(basis, table, height_m, Sky::solar, first, count).transpose() * q;
-  }
+  });
   return scale_to_flux(sampled, table, height_m);
 }
 

@@ -34,7 +34,9 @@ struct SkyFactors {
 /// The sky of one height, sampled once, to be factored with any number of components.
 class SkyFactorizer {
  public:
-  SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky = Sky::solar);
+  /// threads: to sample it; 0: as many as the machine has.
+  SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky = Sky::solar,
+                int threads = 0);
   ~SkyFactorizer();
   bool black() const;
   const Spectrum& irradiance()
@@ -56,7 +58,7 @@ class SkyFactorizer {
 /// Weighted least-squares spectra of the sky at another height on the maps already chosen. flux_scale: set to what
 /// sky_flux_scale makes of the same samples, where the factors are of a solar sky that is not black.
 SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m,
-                       Spectrum* flux_scale = nullptr);
+                       Spectrum* flux_scale = nullptr, int threads = 0);
 
 /// More than interpolation and quadrature leave between the sampled sky and the table's flux of it (0.3 % at 48 degrees
 /// and 0.41 um, 1.5 % with the sun in the horizon): rows that contradict each other, or a sky on too coarse a grid,
@@ -69,7 +71,7 @@ double same_sky_scale(double sampled, double flux);
 
 /// That factor per table wavelength at one height, the sky sampled as SkyFactorizer does; 1 where the table knows no
 /// such flux.
-Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad);
+Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad, int threads = 0);
 
 /// Horizontal irradiance of the sky with the table's own nodes as quadrature: cheap, used to see how it changes with
 /// height.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,11 @@ namespace {
 
 /// Nominal seconds (CostModel) of four replicates, about what a first look takes, and of all that may be taken.
 constexpr double kFour_s = 0.25, kAll_s = 0.6;
+/// Of loading another size's programs.
+constexpr double kPrograms_s = 0.15;
+/// What two replicates of the smallest size err in an image of wires, fences and targets (3.5 to 5 % in twenty seeded
+/// scenes, bench/planner_accuracy.py): what a first size is chosen by.
+constexpr double kTypicalError = 0.045;
 /// Samples of a replicate. Few numbers, since each is a program of its own.
 constexpr std::array kSizes = {kReplicateSamples, 34, 89, 233, 610};
 /// How samples and directions go up where the error is to come down by a factor: the usual laws of error_law.h, not
@@ -35,6 +41,12 @@ double replicate_s(const scene::Instrument& instrument, const plan::Plan& plan, 
   return pixels * CostModel().seconds(pixel_counts(plan, size.samples, size.directions));
 }
 
+/// With what a pixel takes whatever its size.
+double whole_s(const scene::Instrument& instrument, const plan::Plan& plan, ReplicateSize size) {
+  return CostModel().whole_image_s(pixel_counts(plan, size.samples, size.directions),
+                                   static_cast<double>(instrument.pixels) * instrument.lines);
+}
+
 /// As many as double the count until the error seen fits, and once more.
 int foreseen(int count, double error, double budget) {
   double needed = count * (error / budget) * (error / budget);
@@ -43,16 +55,37 @@ int foreseen(int count, double error, double budget) {
   return std::min(2 * out, 4 * kMostReplicates);
 }
 
+template <class Levels>
+int nearest(const Levels& levels, double wanted) {
+  return *std::min_element(levels.begin(), levels.end(), [&](int a, int b) {
+    return std::abs(std::log(a / wanted)) < std::abs(std::log(b / wanted));
+  });
+}
+
 /// Of which two may be hoped to fit, where `count` of this size err by so much.
 ReplicateSize larger(ReplicateSize size, int count, double error, double budget) {
   const double fall = error * std::sqrt(0.5 * count) / budget;
-  const auto nearest = [](const auto& levels, double wanted) {
-    return *std::min_element(levels.begin(), levels.end(), [&](int a, int b) {
-      return std::abs(std::log(a / wanted)) < std::abs(std::log(b / wanted));
-    });
-  };
   return {std::max(size.samples, nearest(kSizes, size.samples * std::pow(fall, kSamplesPower))),
           std::max(size.directions, nearest(direction_levels(), size.directions * std::pow(fall, kDirectionsPower)))};
+}
+
+constexpr double kNever_s = std::numeric_limits<double>::infinity();
+
+/// The size to go on with after `count` of `size` that err by `error`; none: either way takes more than it may.
+std::optional<ReplicateSize> next_size(const scene::Instrument& instrument, const plan::Plan& plan, ReplicateSize size,
+                                       int count, double error, double budget) {
+  const bool fits = error <= budget;
+  const int all = fits ? 2 * count : foreseen(count, error, budget);
+  const ReplicateSize more = larger(size, count, error, budget);
+  const auto unless = [](bool never, double s) { return never || s > kAll_s ? kNever_s : s; };
+  const double doubled_s = unless(all > kMostReplicates, all * replicate_s(instrument, plan, size)),
+               larger_s = unless(more.samples == size.samples, 2 * kFewest * replicate_s(instrument, plan, more));
+  if (std::min(doubled_s, larger_s) == kNever_s) return std::nullopt;
+  if (fits || larger_s == kNever_s) return size;
+  if (doubled_s == kNever_s) return more;
+  const bool sooner =
+      (all - count) * whole_s(instrument, plan, size) <= 2 * kFewest * whole_s(instrument, plan, more) + kPrograms_s;
+  return sooner ? size : more;
 }
 
 }  // namespace
@@ -68,6 +101,13 @@ TrialError error_of(const render::ReplicateSpread& spread) {
   const auto told = [](double error) { return std::round(error / kToldTo) * kToldTo; };
   out.estimate = told(out.bands.worst_estimate()), out.bound = told(out.bands.worst_bound());
   return out;
+}
+
+ReplicateSize first_size(const scene::Instrument& instrument, const plan::Plan& plan, double tolerance) {
+  for (double hoped = tolerance;; hoped *= 1.25) {
+    const ReplicateSize size = larger({}, kFewest, kTypicalError, hoped);
+    if (size == ReplicateSize() || 4 * replicate_s(instrument, plan, size) <= kFour_s) return size;
+  }
 }
 
 bool may_replicate(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
@@ -123,6 +163,7 @@ class Doubling {
 Replicates render_replicates(render::Renderer& renderer, const scene::Simulation& simulation,
                              const scene::Instrument& instrument, const plan::Plan& plan, double budget) {
   Replicates out;
+  out.size = first_size(instrument, plan, simulation.tolerance);
   auto doubling = std::make_unique<Doubling>(renderer, simulation, instrument, plan, out.size);
   for (bool fitted = false;;) {
     out.error = doubling->next();
@@ -133,15 +174,10 @@ Replicates render_replicates(render::Renderer& renderer, const scene::Simulation
     const bool fits = out.error.bound <= budget;
     if (fits && fitted) break;
     fitted = fits;
-    const int all = fits ? 2 * count : foreseen(count, out.error.bound, budget);
-    const ReplicateSize more = larger(out.size, count, out.error.bound, budget);
-    const double doubled_s = all > kMostReplicates ? std::numeric_limits<double>::infinity()
-                                                   : all * replicate_s(instrument, plan, out.size),
-                 larger_s = more.samples == out.size.samples ? std::numeric_limits<double>::infinity()  // of no use
-                                                             : 2 * kFewest * replicate_s(instrument, plan, more);
-    if (std::min(doubled_s, larger_s) > kAll_s) return out;
-    if (fits || doubled_s <= larger_s) continue;
-    out.size = more;
+    const auto next = next_size(instrument, plan, out.size, count, out.error.bound, budget);
+    if (!next) return out;
+    if (*next == out.size) continue;
+    out.size = *next;
     doubling = std::make_unique<Doubling>(renderer, simulation, instrument, plan, out.size);
   }
   out.count = doubling->count(), out.image = doubling->image();

@@ -13,14 +13,15 @@
 
 namespace raycube::planner {
 
-/// Samples (a lattice) and sky directions of the first replicates. A lattice of as many points as all replicates have
-/// errs less than they do, so few are right where few replicates do; where more would cost more than larger ones, these
-/// are rendered in their place.
+/// Samples (a lattice) and sky directions of the smallest replicates. A lattice of as many points as all replicates
+/// have errs less than they do, so few are right where few replicates do; where more would cost more than larger ones,
+/// these are rendered in their place.
 inline constexpr int kReplicateSamples = 13, kReplicateDirections = 8;
 inline constexpr int kMostReplicates = 64;
 
 struct ReplicateSize {
   int samples = kReplicateSamples, directions = kReplicateDirections;
+  bool operator==(const ReplicateSize&) const = default;
 };
 
 /// What is known of a mean over replicates, by their spread over all its pixels.
@@ -37,6 +38,10 @@ struct Replicates {
 /// Whether an image of this plan is one for replicates: its samples and directions are the planner's, a pixel is the
 /// square of its samples, and four replicates take less than a trial.
 bool may_replicate(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
+
+/// The size that is begun with: of which two to four would fit in an image full of small things, as far as four take no
+/// more than a trial.
+ReplicateSize first_size(const scene::Instrument& instrument, const plan::Plan& plan, double tolerance);
 
 /// Replicates whose mean errs by at most `budget`, as many whatever the memory.
 Replicates render_replicates(render::Renderer& renderer, const scene::Simulation& simulation,
