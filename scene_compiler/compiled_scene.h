@@ -96,7 +96,7 @@ struct Origin {
 
 /// Where the ground is known to hide nothing (skyline.h): a grid over the map of one placed tree, in its frame.
 struct Skyline {
-  std::uint32_t instance = RC_NONE;     ///< RC_NONE: no such grid
+  std::uint32_t instance = RC_NONE;      ///< RC_NONE: no such grid
   float x_m = 0, y_m = 0, per_cell = 0;  ///< corner of the first cell; cells a metre
   std::uint32_t columns = 0, rows = 0;
   std::vector<float> cells;  ///< [row][column][2]: top, skyline

@@ -338,6 +338,14 @@ class DocumentReader {
       case KeyType::integer:
         read_integer(spec, node, file, value.integer);
         break;
+      case KeyType::integer_or_word:
+        if (node.is_string() && **node.as_string() == spec.shape)
+          value.text = spec.shape;
+        else if (node.is_integer())
+          read_integer(spec, node, file, value.integer);
+        else
+          wrong_type(spec, node, file, "an integer or \"" + std::string(spec.shape) + "\"");
+        break;
       case KeyType::number:
         read_number(spec, node, file, value.number);
         break;

@@ -40,6 +40,8 @@ nlohmann::ordered_json value_json(const KeySpec& spec, const Value& value) {
       return value.boolean;
     case KeyType::integer:
       return value.integer;
+    case KeyType::integer_or_word:
+      return value.text.empty() ? nlohmann::ordered_json(value.integer) : nlohmann::ordered_json(value.text);
     case KeyType::number:
       return value.number;
     case KeyType::text:
@@ -104,6 +106,7 @@ void fill_default(const KeySpec& spec, Value& value) {
       value.boolean = text == "true";
       break;
     case KeyType::integer:
+    case KeyType::integer_or_word:
       std::from_chars(text.data(), text.data() + text.size(), value.integer);
       break;
     case KeyType::number:

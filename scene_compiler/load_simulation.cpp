@@ -247,7 +247,8 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.seed = options.seed.value_or(static_cast<std::uint64_t>(root.integer("seed")));
   out.sky_directions_given = root.given("sky_directions");
   if (out.sky_directions_given) out.sky_directions = static_cast<int>(root.integer("sky_directions"));
-  out.bounces = static_cast<int>(root.integer("bounces"));
+  out.bounces_given = root.text("bounces").empty();
+  out.bounces = out.bounces_given ? static_cast<int>(root.integer("bounces")) : kMostChosenBounces;
   out.plan = read_plan(root, problems);
   if (const Record* thermal = root.table("thermal")) out.thermal_below_3um = thermal->text("below_3um") != "left_out";
   // A file that could not be read at all has one problem; what it lacks is not worth a line.

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "scene_compiler/document_values.h"
+#include "scene_compiler/leaf_optics.h"
 #include "scene_compiler/shape_list.h"
 #include "scene_compiler/spectrum_file.h"
 
@@ -37,27 +38,20 @@ void extend(Curve& curve, double value) {
   curve.value.insert(curve.value.end(), 2, value);
 }
 
-std::optional<Material> read_material(const Record& record, Problems& problems) {
-  const std::string name = "material '" + record.text("name") + "'";
-  const bool file = record.given("file"), constant = record.given("reflectance");
-  if (file == constant) {
-    problems.add(record.where, name + " needs exactly one of file and reflectance", file ? "both" : "neither",
-                 "remove or add one");
-    return std::nullopt;
-  }
-  for (const char* key :
-       {"spectrum", "reflectance_column", "transmittance_column", "reflectance_beyond", "scale", "medium"})
-    if (constant && record.given(key)) {
-      problems.add(record.place(key), std::string("'") + key + "' means nothing for a constant reflectance", "",
-                   "remove it, or give file");
-      return std::nullopt;
-    }
-  if (file && record.given("transmittance")) {
-    problems.add(record.place("transmittance"), "'transmittance' goes with a constant reflectance",
-                 number_text(record.number("transmittance")), "give the file a transmittance column");
-    return std::nullopt;
-  }
-  if (constant) return constant_material(record, problems);
+Material leaf_material(const Record& made_of) {
+  LeafContent leaf;
+  leaf.structure = made_of.number("n");
+  leaf.chlorophyll_ug_cm2 = made_of.number("cab_ug_cm2"), leaf.carotenoids_ug_cm2 = made_of.number("car_ug_cm2");
+  leaf.anthocyanins_ug_cm2 = made_of.number("cant_ug_cm2"), leaf.brown = made_of.number("cbrown");
+  leaf.water_cm = made_of.number("cw_cm"), leaf.dry_matter_g_cm2 = made_of.number("cm_g_cm2");
+  LeafOptics optics = leaf_optics(leaf);
+  Material out;
+  out.reflectance = std::move(optics.reflectance), out.transmittance = std::move(optics.transmittance);
+  out.source = "PROSPECT-D (Feret et al. 2017)";
+  return out;
+}
+
+std::optional<Material> file_material(const Record& record, Problems& problems) {
   SpectrumRequest request;
   request.file = record.text("file");
   request.spectrum = record.text("spectrum");
@@ -66,7 +60,42 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
   if (record.given("scale")) request.scale = record.number("scale");
   request.medium = record.text("medium");
   request.asked_by = record.place(record.given("spectrum") ? "spectrum" : "file");
-  auto material = read_spectrum(request, problems);
+  return read_spectrum(request, problems);
+}
+
+/// Whether the material's spectrum has one source, and no key of another.
+bool has_one_source(const Record& record, Problems& problems) {
+  std::vector<std::string> sources;
+  for (const char* key : {"file", "reflectance", "leaf"})
+    if (record.given(key)) sources.push_back(key);
+  if (sources.size() != 1) {
+    problems.add(record.where, "material '" + record.text("name") + "' needs exactly one of file, reflectance and leaf",
+                 sources.empty() ? "none" : sources[0] + " and " + sources[1], "remove or add one");
+    return false;
+  }
+  const std::string of = sources[0] == "leaf" ? "a leaf of its content" : "a constant reflectance";
+  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "scale", "medium"})
+    if (sources[0] != "file" && record.given(key)) {
+      problems.add(record.place(key), std::string("'") + key + "' means nothing for " + of, "",
+                   "remove it, or give file");
+      return false;
+    }
+  if (sources[0] == "reflectance" && record.given("reflectance_beyond")) {
+    problems.add(record.place("reflectance_beyond"), "'reflectance_beyond' means nothing for " + of, "", "remove it");
+    return false;
+  }
+  if (sources[0] == "reflectance" || !record.given("transmittance")) return true;
+  problems.add(record.place("transmittance"), "'transmittance' goes with a constant reflectance",
+               number_text(record.number("transmittance")),
+               sources[0] == "file" ? "give the file a transmittance column" : "remove it: the leaf has its own");
+  return false;
+}
+
+std::optional<Material> read_material(const Record& record, Problems& problems) {
+  if (!has_one_source(record, problems)) return std::nullopt;
+  if (record.given("reflectance")) return constant_material(record, problems);
+  const Record* leaf = record.table("leaf");
+  auto material = leaf ? leaf_material(*leaf->table("prospect")) : file_material(record, problems);
   if (material && record.given("reflectance_beyond")) {
     extend(material->reflectance, record.number("reflectance_beyond"));
     extend(material->transmittance, 0);

@@ -38,6 +38,8 @@ std::string_view type_name(KeyType type) {
       return "tables";
     case KeyType::path_or_table:
       return "path or table";
+    case KeyType::integer_or_word:
+      return "integer or word";
   }
   return "";
 }
@@ -111,6 +113,8 @@ Json key_schema(const KeySpec& spec) {
       // One entry inside another table may stand without the array's brackets.
       return {{"type", spec.table.empty() ? Json("array") : Json::array({"array", "object"})},
               {"items", table_schema(sub_path(spec))}};
+    case KeyType::integer_or_word:
+      return {{"anyOf", Json::array({number_schema(spec, "integer"), {{"enum", Json::array({spec.shape})}}})}};
     case KeyType::path_or_table:
       return {{"anyOf", Json::array({text, table_schema(sub_path(spec))})}};
   }
@@ -121,6 +125,7 @@ Json default_value(const KeySpec& spec) {
   switch (spec.type) {
     case KeyType::boolean:
     case KeyType::integer:
+    case KeyType::integer_or_word:
     case KeyType::number:
       return Json::parse(spec.fallback);
     case KeyType::integers:

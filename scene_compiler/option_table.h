@@ -21,7 +21,8 @@ enum class KeyType {
   text_map,
   table,
   tables,
-  path_or_table
+  path_or_table,
+  integer_or_word
 };
 
 struct KeySpec {
@@ -31,7 +32,7 @@ struct KeySpec {
   std::string_view unit;
   std::string_view fallback;   ///< "!" required, "" none
   std::string_view low, high;  ///< "" open, ">x" or "<x" exclusive
-  std::string_view shape;      ///< choices "a|b", or allowed lengths "1|3"
+  std::string_view shape;      ///< choices "a|b", or allowed lengths "1|3", or the word
   std::string_view text;
 
   bool required() const { return fallback == "!"; }

@@ -138,6 +138,8 @@ class Ground;
 
 /// Of a pixel, where neither file nor planner says.
 inline constexpr int kDefaultSkyDirections = 64;
+/// Surfaces after the first, of which the planner chooses.
+inline constexpr int kMostChosenBounces = 16;
 
 /// A whole simulation as one file describes it.
 struct Simulation {
@@ -145,8 +147,9 @@ struct Simulation {
   double tolerance = 0.01;
   std::uint64_t seed = 1;
   int sky_directions = kDefaultSkyDirections;  ///< of a pixel, shared out among its samples
-  int bounces = 0;  ///< surfaces that light may come by after the first
-  bool sky_directions_given = false;           ///< by the file; otherwise the planner chooses them (host/planner)
+  int bounces = 0;                             ///< surfaces that light may come by after the first
+  bool bounces_given = true;          ///< false: the planner chooses, at most that many (host/planner/bounce_level.h)
+  bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
   bool thermal_below_3um = true;  ///< false: bands below 3 um go without thermal light whatever it makes
   AtmosphereSpec atmosphere;

@@ -33,6 +33,7 @@ Settings::Settings(const Subject& subject)
     : subject_(subject),
       sky_directions_(subject.simulation.sky_directions),
       bounces_(subject.simulation.bounces),
+      bounces_given_(subject.simulation.bounces_given),
       plan_(subject.simulation.plan),
       adjacency_(subject.simulation.atmosphere.adjacency),
       instrument_(subject.instrument ? *subject.instrument : scene::Instrument{}),
@@ -42,6 +43,7 @@ Settings::~Settings() { restore(); }
 
 void Settings::restore() {
   subject_.simulation.sky_directions = sky_directions_, subject_.simulation.bounces = bounces_;
+  subject_.simulation.bounces_given = bounces_given_;
   subject_.simulation.plan = plan_;
   subject_.simulation.atmosphere.adjacency = adjacency_;
   if (subject_.instrument) *subject_.instrument = instrument_;

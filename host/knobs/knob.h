@@ -50,6 +50,7 @@ class Settings {
  private:
   Subject subject_;
   int sky_directions_, bounces_;
+  bool bounces_given_;
   scene::PlanOverrides plan_;
   scene::Adjacency adjacency_;
   scene::Instrument instrument_;

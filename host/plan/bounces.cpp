@@ -72,17 +72,20 @@ std::vector<Factors> drawn_products(std::size_t count, int most, std::uint32_t d
   return out;
 }
 
-/// A row of each product on the grid, its largest value 1.
+/// A row of each product on the grid, over the largest value of its darkest factor: what the light is to whoever looks
+/// at that matter.
 Eigen::MatrixXd rows_of(const std::vector<Factors>& products, const Curves& factors) {
   const std::size_t grid = factors.front().size();
+  std::vector<double> largest;
+  for (const auto& curve : factors) largest.push_back(std::max(1e-300, *std::max_element(curve.begin(), curve.end())));
   Eigen::MatrixXd out(static_cast<Eigen::Index>(products.size()), static_cast<Eigen::Index>(grid));
   for (std::size_t r = 0; r < products.size(); ++r) {
-    std::vector<double> product(grid, 1.0);
+    double darkest = 1;
+    for (const std::size_t f : products[r]) darkest = std::min(darkest, largest[f]);
+    std::vector<double> product(grid, 1 / darkest);
     for (const std::size_t f : products[r])
       for (std::size_t i = 0; i < grid; ++i) product[i] *= factors[f][i];
-    const double largest = std::max(1e-300, *std::max_element(product.begin(), product.end()));
-    for (std::size_t i = 0; i < grid; ++i)
-      out(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i)) = product[i] / largest;
+    for (std::size_t i = 0; i < grid; ++i) out(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i)) = product[i];
   }
   return out;
 }
@@ -120,30 +123,38 @@ Eigen::MatrixXd basis_of(const Picked& picked, Eigen::Index count) {
   return triangle.triangularView<Eigen::Upper>().solve(picked.factor.topRows(count));
 }
 
-/// Largest error of a band mean of a row, over that row's own mean, where that is no smaller than a hundredth of its
-/// largest band's.
-double judge(const Eigen::MatrixXd& rows, const Picked& picked, const Eigen::MatrixXd& basis,
-             const std::vector<BandQuadrature>& bands) {
-  double worst = 0;
-  std::vector<double> wanted(bands.size()), off(bands.size());
-  for (Eigen::Index r = 0; r < rows.rows(); ++r) {
-    Eigen::VectorXd at(basis.rows());
-    for (Eigen::Index k = 0; k < basis.rows(); ++k) at(k) = rows(r, picked.column[static_cast<std::size_t>(k)]);
-    const Eigen::RowVectorXd found = at.transpose() * basis;
-    double largest = 0;
+double band_mean(const BandQuadrature& band, const double* values) {
+  double sum = 0;
+  for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * values[band.first + i];
+  return sum;
+}
+
+/// What products of curves are off by on a basis: their band means, rms over the products that have a curve, over those
+/// products' own rms, held against a hundredth of its largest; of the worst curve and band.
+double judge(const std::vector<Factors>& products, const Curves& factors, const Picked& picked,
+             const Eigen::MatrixXd& basis, const std::vector<BandQuadrature>& bands) {
+  const auto grid = static_cast<Eigen::Index>(factors.front().size());
+  Curves off(factors.size(), std::vector<double>(bands.size())), whole = off;  // [curve][band], squares
+  for (const Factors& product : products) {
+    Eigen::RowVectorXd value = Eigen::RowVectorXd::Ones(grid), at(basis.rows());
+    for (const std::size_t f : product)
+      value = value.cwiseProduct(Eigen::Map<const Eigen::RowVectorXd>(factors[f].data(), grid));
+    for (Eigen::Index k = 0; k < basis.rows(); ++k) at(k) = value(picked.column[static_cast<std::size_t>(k)]);
+    const Eigen::RowVectorXd rest = value - at * basis;
+    Factors seen = product;
+    std::sort(seen.begin(), seen.end());
+    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
     for (std::size_t b = 0; b < bands.size(); ++b) {
-      wanted[b] = off[b] = 0;
-      for (std::size_t i = 0; i < bands[b].weight.size(); ++i) {
-        const auto l = static_cast<Eigen::Index>(bands[b].first + i);
-        wanted[b] += bands[b].weight[i] * rows(r, l);
-        off[b] += bands[b].weight[i] * (found(l) - rows(r, l));
-      }
-      largest = std::max(largest, wanted[b]);
+      const double wrong = band_mean(bands[b], rest.data()), right = band_mean(bands[b], value.data());
+      for (const std::size_t f : seen) off[f][b] += wrong * wrong, whole[f][b] += right * right;
     }
-    for (std::size_t b = 0; b < bands.size(); ++b)
-      worst = std::max(worst, std::abs(off[b]) / std::max(wanted[b], 0.01 * largest));
   }
-  return worst;
+  double worst = 0;
+  for (std::size_t f = 0; f < factors.size(); ++f) {
+    const double least = std::max(1e-300, 1e-4 * *std::max_element(whole[f].begin(), whole[f].end()));
+    for (std::size_t b = 0; b < bands.size(); ++b) worst = std::max(worst, off[f][b] / std::max(whole[f][b], least));
+  }
+  return std::sqrt(worst);
 }
 
 void fit_skeleton(Bounces& out, const Plan& plan, const Curves& factors, double share) {
@@ -151,12 +162,12 @@ void fit_skeleton(Bounces& out, const Plan& plan, const Curves& factors, double 
   std::vector<Factors> training = every_product(factors.size(), most);
   if (training.empty()) training = drawn_products(factors.size(), most, kTraining);
   const Picked picked = pick_columns(rows_of(training, factors), static_cast<Eigen::Index>(kMostWavelengths));
-  const Eigen::MatrixXd unseen = rows_of(drawn_products(factors.size(), most, kJudging), factors);
+  const std::vector<Factors> unseen = drawn_products(factors.size(), most, kJudging);
   const std::size_t all = picked.column.size();
   Eigen::MatrixXd basis;
   for (std::size_t count = std::min(kStep, all);; count = std::min(count + kStep, all)) {
     basis = basis_of(picked, static_cast<Eigen::Index>(count));
-    out.error = judge(unseen, picked, basis, plan.bands);
+    out.error = judge(unseen, factors, picked, basis, plan.bands);
     if (out.error <= share || count == all) break;
   }
   out.amplified = std::sqrt(basis.colwise().squaredNorm().maxCoeff());
@@ -228,7 +239,7 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
   if (levels <= 0 || plan.sun_sources + plan.sky_components == 0) return;
   const Curves factors = factors_of(plan, scene);
   if (factors.empty()) return;
-  plan.bounces.levels = levels;
+  plan.bounces.levels = levels, plan.bounces.share = share;
   fit_skeleton(plan.bounces, plan, factors, share);
   if (plan.bounces.skeleton.empty()) {  // nothing reflects
     plan.bounces = {};
@@ -236,9 +247,9 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
   }
   if (plan.bounces.error > share || plan.bounces.amplified > kMostAmplified)
     plan.notices.push_back(fmt::format(
-        "light between surfaces: {} wavelengths along paths tell those between them to {:.2g} % of that light (asked: "
+        "{}{} wavelengths along paths tell those between them to {:.2g} % of that light (asked: "
         "{:.2g} %), and its noise grows by at most {:.2g}; fewer materials, or fewer bounces, would do better",
-        plan.bounces.skeleton.size(), 100 * plan.bounces.error, 100 * share, plan.bounces.amplified));
+        kBetweenSurfaces, plan.bounces.skeleton.size(), 100 * plan.bounces.error, 100 * share, plan.bounces.amplified));
   if (plan.sky.rays == 0) plan.sky.rays = paths;
   sample_skeleton(plan.bounces, plan, scene);
   find_scattering(plan.bounces, scene);

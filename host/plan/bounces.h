@@ -1,9 +1,13 @@
 // Light between surfaces, planned: the wavelengths that paths carry, what lies between them, and how surfaces scatter.
 #pragma once
 
+#include <string_view>
+
 #include "host/plan/plan.h"
 
 namespace raycube::plan {
+
+inline constexpr std::string_view kBetweenSurfaces = "light between surfaces: ";  ///< that notices of it begin with
 
 /// Fills plan.bounces, and plan.sky.rays by `paths` where no rays go to the sky, for `levels` surfaces after the first;
 /// nothing where that is 0, or where neither sun nor sky are sources. The plan has its grid, its bands and its sources.

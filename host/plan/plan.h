@@ -143,13 +143,16 @@ struct SkyFlux {
 /// Light that goes on from surface to surface (docs/light.md). Paths carry what a viewer would see at some wavelengths
 /// of the grid, the skeleton; what lies between them is `basis` times that, whatever the geometry.
 struct Bounces {
-  int levels = 0;                             ///< surfaces after the first; 0: light is scattered once
+  int levels = 0;  ///< surfaces after the first; 0: light is scattered once, and so it is without a skeleton
   std::vector<std::size_t> skeleton;          ///< indices into the grid
   std::vector<std::vector<double>> basis;     ///< [skeleton][grid]
+  double share = 0;                           ///< of typical light that it was fitted to
   double error = 0;                           ///< of products of curves that the fit has not seen, worst band, relative
   double amplified = 1;                       ///< largest root of a sum of squares over the skeleton, of any wavelength
   std::vector<float> curve;                   ///< [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h
   std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T
+
+  bool any() const { return !skeleton.empty(); }
 };
 
 /// Keys of the skeleton's rows: this and its wavelength's number. Of no product, and of no environment.
@@ -204,8 +207,8 @@ struct Plan {
   int source_channels() const { return sources() * height.count * view.count; }
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
   /// Whether pixels send rays that are drawn: into the sky, or along as many paths.
-  bool sends_rays() const { return components() > 0 || bounces.levels > 0; }
-  int paths() const { return bounces.levels > 0 ? sky.rays : 0; }
+  bool sends_rays() const { return components() > 0 || bounces.any(); }
+  int paths() const { return bounces.any() ? sky.rays : 0; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
 };
 

@@ -106,6 +106,9 @@ nlohmann::json plan_json(const Plan& plan) {
     out["bounces"] = {
         {"levels", b.levels}, {"skeleton_um", skeleton}, {"skeleton_error", b.error}, {"amplified", b.amplified}};
   }
+  if (report.bounces.chosen)
+    out["bounces"]["levels"] = plan.bounces.levels, out["bounces"]["missed"] = report.bounces.missed,
+    out["bounces"]["missed_by_light_scattered_once"] = report.bounces.once_missed;
   if (report.given.any()) {
     Json given = Json::object();
     for (const auto& [key, value] : given_overrides(report.given)) given[key] = value;

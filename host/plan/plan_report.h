@@ -46,6 +46,12 @@ struct ThermalLeftOut {
   std::string from;      ///< what shines so
 };
 
+/// How many surfaces light comes by, where a trial chose it.
+struct BounceReport {
+  bool chosen = false;
+  double missed = 0, once_missed = 0;  ///< by those chosen; by light scattered once: of what is seen, worst band
+};
+
 struct PlanReport {
   double budget = 0;                                       ///< what nodes and components may spend of the tolerance
   std::size_t table_nodes = 0;                             ///< wavelengths of the table under the spectral grid
@@ -58,6 +64,7 @@ struct PlanReport {
   std::optional<double> diffuse_irradiance_row_difference;  ///< of the table's row of flux and its sky's sum
   std::vector<std::pair<std::string, double>> mean_ground;  ///< material, area share of the scene's mean
   AxisErrors axes;
+  BounceReport bounces;
   std::optional<ThermalReport> thermal;
   std::optional<ThermalLeftOut> thermal_left_out;
 };

@@ -236,11 +236,19 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
                                       : "local environment of each pixel",
                    false});
   add_sampling_lines(lines, d, plan);
-  if (const plan::Bounces& b = plan.bounces; b.levels > 0)
-    lines.push_back({"between surfaces", fmt::format("{} more", plural(static_cast<std::size_t>(b.levels), "surface")),
-                     b.error, -1,
-                     fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")),
-                     "the file asks for them; the error is the wavelengths', of that light alone", true});
+  if (const plan::Bounces& b = plan.bounces; b.any() || report.bounces.chosen) {
+    const auto& [chosen, missed, once_missed] = report.bounces;
+    lines.push_back(
+        {"between surfaces",
+         b.any() ? fmt::format("{} more", plural(static_cast<std::size_t>(b.levels), "surface")) : "none",
+         chosen ? missed : b.error, chosen && b.any() ? once_missed : -1,
+         b.any() ? fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")) : "none",
+         !chosen   ? "the file asks for them; the error is the wavelengths', of that light alone"
+         : b.any() ? fmt::format("light by more surfaces, by a trial; the wavelengths err by {} of that light",
+                                 percent_text(b.error))
+                   : "light scattered once is that near, by a trial",
+         !chosen});
+  }
   return lines;
 }
 

@@ -136,7 +136,7 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
                      setup.sun,     setup.seed,          shape_of(*coarse_instrument_, setup.plan)};
   coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity,
                   setup.instrument.standard_error != scene::StandardError::off);
-  coarse.shape.sky_shadows = false, coarse.shape.bounces = 0;
+  coarse.shape.sky_shadows = false, coarse.shape.bounces = false;
   look_.emplace(coarse, table_, groups * setup.shape.pixels_per_group, 1, row_capacity, true);
 }
 

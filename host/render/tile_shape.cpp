@@ -52,7 +52,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.path_y = plan.path_y.count;
   shape.channels = std::max({plan.source_channels(), plan.path_channels(), plan.environment_channels()});
   shape.environment = !plan.environment.empty();
-  shape.bounces = plan.bounces.levels, shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
+  shape.bounces = plan.bounces.any(), shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
   shape.bands = static_cast<int>(plan.bands.size());
   shape.bands_padded = RC_PADDED(shape.bands);
   return shape;
@@ -91,8 +91,8 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   rows("RC_BANDS_PADDED", shape.bands_padded);
   rows("RC_CHUNKED", shape.chunked());
   rows("RC_ENVIRONMENT", shape.environment);
-  if (shape.bounces > 0) {
-    both("RC_BOUNCES", shape.bounces);
+  if (shape.bounces) {
+    both("RC_BOUNCES", 1);
     both("RC_SKELETON", shape.skeleton_padded());
     trace("RC_SUN", shape.sun);
     if (shape.matter.sides == 1) trace("RC_MATERIALS", static_cast<int>(shape.matter.materials));

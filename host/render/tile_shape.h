@@ -35,8 +35,9 @@ struct StageShape {
   int bands = 0, bands_padded = 0;
   bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
   scene::CameraMatter matter;
-  int bounces = 0, skeleton = 0;  ///< surfaces after the first; wavelengths along paths
-  bool environment = false;       ///< light of the ground around joins: 4 rows of the band table per pixel
+  bool bounces = false;      ///< light comes by surfaces after the first
+  int skeleton = 0;          ///< wavelengths along its paths
+  bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int sources() const { return sun + components + temperatures; }
   int glow_sources() const { return sun + components - thermal_components; }  ///< whose light goes on between surfaces
@@ -47,7 +48,7 @@ struct StageShape {
   shared::TileElements tile() const {
     return {static_cast<std::size_t>(chunk_samples), static_cast<std::size_t>(sky_planes()), matter.shaped,
             static_cast<std::size_t>(matter.sides),
-            bounces > 0 ? static_cast<std::size_t>(glow_sources() * skeleton_padded()) : 0};
+            bounces ? static_cast<std::size_t>(glow_sources() * skeleton_padded()) : 0};
   }
   /// Elements of an item in the buffers of rows.
   shared::RowElements rows(std::size_t capacity) const {
@@ -57,7 +58,7 @@ struct StageShape {
   std::size_t term_capacity(std::size_t capacity) const {
     return static_cast<std::size_t>(heights) * path_x * path_y +
            (environment ? RC_ENVIRONMENT_NODES * static_cast<std::size_t>(heights) * views : 0) +
-           (bounces > 0 ? static_cast<std::size_t>(glow_sources() * skeleton) * heights * views : 0) +
+           (bounces ? static_cast<std::size_t>(glow_sources() * skeleton) * heights * views : 0) +
            capacity * static_cast<std::size_t>(sources()) * heights * views;
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.

@@ -389,7 +389,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
     std::copy(std::begin(results[f].truth), std::end(results[f].truth), sums);
     const std::vector<float> abundance(results[f].abundance.begin(), results[f].abundance.end());
     if (shape.environment) add_environment(flagged[f], sums, results[f].path, results[f].radiance);
-    if (shape.bounces > 0) add_glow(flagged[f], results[f].path, results[f].radiance);
+    if (shape.bounces) add_glow(flagged[f], results[f].path, results[f].radiance);
     write_truth(flagged[f], sums, abundance.data(), out);
     host_radiance_.emplace_back(flagged[f], std::move(results[f].radiance));
   }

@@ -81,7 +81,7 @@ std::string identity_of(const std::string& options) {
 }
 
 StageShape without_sky(StageShape shape) {
-  shape.components = shape.thermal_components = shape.bounces = 0;
+  shape.components = shape.thermal_components = 0, shape.bounces = false;
   return shape;
 }
 
@@ -107,7 +107,7 @@ struct TraceStages::State {
         sky(*program, "trace_sky"),
         sky_map(context_, plan_),
         open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {
-    if (shape.bounces > 0) paths.emplace(context, *program, plan, shape, std::move(weights_));
+    if (shape.bounces) paths.emplace(context, *program, plan, shape, std::move(weights_));
   }
 
   cl_uint first_sample(int chunk) const { return static_cast<cl_uint>(chunk * shape.chunk_samples); }
@@ -214,6 +214,7 @@ struct TraceStages::State {
                              .chunk_weight = paths->weight,
                              .sample_total = static_cast<float>(shape.samples),
                              .paths = static_cast<cl_uint>(plan.paths()),
+                             .levels = static_cast<cl_uint>(plan.bounces.levels),
                              .seed = plan.sky.hash_seed(seed, sky_draw),
                              .columns = layout.columns,
                              .first_sample = first_sample(chunk),

@@ -11,6 +11,7 @@
 #include "host/plan/baked_rows.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
+#include "host/planner/bounce_level.h"
 #include "host/planner/open_share.h"
 #include "host/planner/plan_file.h"
 #include "host/planner/plan_lines.h"
@@ -66,13 +67,17 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   services.log.set_status(instrument.name + ": planning samples and sky directions");
   job.plan.baked = std::make_shared<plan::BakedRows>();
-  if (planning.renderer && (job.plan.components() > 0 || !planning.replay)) {  // else the render loads its own
+  const auto load_programs = [&] {
     const auto loading = std::chrono::steady_clock::now();
     const double processor_s = base::processor_seconds();
     planning.renderer->load_programs(planner::first_launched(simulation, instrument, job.plan), job.plan);
-    job.kernels_s = base::seconds_since(loading), kernels_processor_s = base::processor_seconds() - processor_s;
-  }
+    job.kernels_s += base::seconds_since(loading), kernels_processor_s += base::processor_seconds() - processor_s;
+  };
+  if (planning.renderer && (job.plan.sends_rays() || !planning.replay))
+    load_programs();  // else the render loads its own
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
+  if (planning.renderer && planner::choose_bounces(*planning.renderer, simulation, instrument, job.plan))
+    load_programs();
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation,

@@ -42,7 +42,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   if (simulation.bounces > 0)
     services.log.warning(instrument.name +
                          ": charted without light between surfaces, which the reference does not have");
-  simulation.bounces = 0;
+  simulation.bounces = 0, simulation.bounces_given = true;
   const auto chosen = chosen_knobs(subject, options.knobs);
   const CameraJob job = prepare_camera(simulation, instrument, services);
   const plan::ViewBounds view = sensors::view_bounds(instrument);

@@ -59,6 +59,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
       {sky_map, sky_zenith, sky_azimuth, zeniths, azimuths, thermal_map, thermal_zenith, thermal_zeniths, sun_azimuth},
       sun_direction,
       sun_up,
+      levels,
       seed};
   const uint samples = RC_NU * RC_NV;
   global float* out = glow + RC_GLOW_AT(place.pixel, 0u);
@@ -66,7 +67,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
   waiting.count = 0;
   if (first_sample == 0u)
     for (uint i = 0; i < place.used * (uint)RC_GLOW_AT(1u, 0u); ++i) out[i] = 0.0f;
-  for (uint p = 0; p < place.used; ++p) {
+  for (uint p = 0; p < (levels ? place.used : 0u); ++p) {
     global const uint* ids = hits + RC_HITS_AT(place.pixel + p);
     global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
     const uint number = place.number + p;

@@ -23,7 +23,7 @@
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
  *   RC_SHAPED, RC_SIDES what the scene's matter asks for: kernels/shared/tile_layout.h
  *   RC_MATERIALS        how many the scene has
- *   RC_BOUNCES, RC_SKELETON, RC_SUN  surfaces after the first, wavelengths along paths, whether the sun is a source
+ *   RC_BOUNCES, RC_SKELETON, RC_SUN  whether light comes by paths, wavelengths along them, whether the sun is a source
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
  * sampler both are multiples of RC_NU.
  *

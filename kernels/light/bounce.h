@@ -22,7 +22,7 @@ typedef struct PathTables {
   global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
   SkyMap sky;
   float4 sun; /* direction to it */
-  uint sun_up, seed;
+  uint sun_up, levels, seed;
 } PathTables;
 
 typedef struct Paths16 {
@@ -196,7 +196,7 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
   return on;
 }
 
-/* Follows the paths to their ends, RC_BOUNCES surfaces after the first at most; then their gains are whole. */
+/* Follows the paths to their ends, t->levels surfaces after the first at most; then their gains are whole. */
 static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* paths) {
   uint live = (1u << paths->count) - 1u;
   Ends16 ends;
@@ -216,7 +216,7 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
     if (t->sun_up) rc_gain_sun(scene, t, live, &ends, paths);
 #endif
     live = rc_go_on(scene, t, live, level, &ends, paths);
-    if (level < RC_BOUNCES) continue;
+    if (level < t->levels) continue;
     Rays16 rays;
     uint of[16], count = 0;
     for (; live; live &= live - 1u) {

@@ -97,6 +97,7 @@
   READ(rc_float, chunk_weight) NEXT() \
   VALUE(rc_float, sample_total) NEXT() /* samples of a pixel, all chunks */ \
   VALUE(rc_uint, paths) NEXT()        /* of a pixel */ \
+  VALUE(rc_uint, levels) NEXT()       /* surfaces after the first; 0: no path is followed */ \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \

@@ -116,7 +116,7 @@
 #define RC_TEMPERATURES 0 /* nodes of emission */
 #endif
 #ifndef RC_BOUNCES
-#define RC_BOUNCES 0 /* surfaces after the first that light may come by */
+#define RC_BOUNCES 0 /* 1: light comes by surfaces after the first */
 #endif
 #ifndef RC_SKELETON
 #define RC_SKELETON 16 /* wavelengths along paths, whole words; asked for where there are bounces */
