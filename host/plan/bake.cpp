@@ -4,6 +4,7 @@
 
 #include "host/base/error.h"
 #include "host/plan/baked_rows.h"
+#include "host/plan/bounces.h"
 #include "host/plan/curve.h"
 #include "host/plan/plan.h"
 #include "scene_compiler/matter.h"
@@ -106,7 +107,11 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   const std::uint32_t curves = around || skeleton ? 0 : rc_key_count(key);
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
                                   : std::vector<std::vector<double>>{};
-  const auto& spectra = around ? environment : curves > 0 || skeleton ? plan.source_spectrum : plan.path_spectrum;
+  const auto together = skeleton ? light_together(plan) : std::vector<std::vector<double>>{};
+  const auto& spectra = around       ? environment
+                        : skeleton   ? together
+                        : curves > 0 ? plan.source_spectrum
+                                     : plan.path_spectrum;
   const std::vector<double> scattered =
       skeleton ? plan.bounces.basis[key ^ kSkeletonKey] : product_of_curves(plan, scene, curves > 0 ? key : 0);
   // What matter emits goes by 1 - reflectance - transmittance: each of its two keys says its part.
@@ -117,9 +122,7 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
     for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
   out.assign(spectra.size() * padded, 0.0f);
-  const auto solar =
-      static_cast<std::size_t>((plan.sun_sources + plan.sky_components) * plan.height.count * plan.view.count);
-  const std::size_t all = skeleton ? solar : spectra.size(), lit = curves > 0 ? std::min(first_emission, all) : all;
+  const std::size_t all = spectra.size(), lit = curves > 0 ? std::min(first_emission, all) : all;
   std::vector<double> weight;
   for (std::size_t b = 0; b < bands; ++b) {
     const auto& band = plan.bands[b];

@@ -23,6 +23,7 @@ constexpr std::size_t kMostRows = 600;     ///< that judge or train
 constexpr std::size_t kMostWavelengths = 128, kStep = 16;
 constexpr double kNothingLeft = 1e-12;        ///< of the largest column: rounding of what has been taken out
 constexpr double kFewest = 0.1, kMost = 0.9;  ///< chance of the side by which a path leaves a leaf
+constexpr double kMostSeen = 4;               ///< light at a place over that of the bands there, so far counted
 constexpr double kMostAmplified = 4;          ///< that the skeleton may make of noise
 constexpr std::uint32_t kTraining = 61, kJudging = 62;
 
@@ -41,48 +42,107 @@ Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
   return out;
 }
 
-using Factors = std::vector<std::size_t>;  ///< of a product, as numbers of curves
+/// Weight of a source in what light_together adds up.
+double together_weight(const Plan& plan, int source) {
+  if (source < plan.sun_sources) return std::max(0.05, static_cast<double>(plan.sun_direction[2]));
+  return source == plan.sun_sources ? 1 : 0;
+}
 
-/// Every product of 2 to `most` of `count` curves in any order; none where they are more than kMostRows.
-std::vector<Factors> every_product(std::size_t count, int most) {
+std::size_t middle_node(const Plan& plan) { return static_cast<std::size_t>(plan.height.count / 2 * plan.view.count); }
+
+/// Each source's light over that of all together, on the grid; 0 where there is none.
+Curves shares_of(const Plan& plan, const std::vector<double>& together) {
+  const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
+  const std::size_t middle = middle_node(plan);
+  const double least = 1e-9 * *std::max_element(together.begin(), together.end());
+  Curves out;
+  for (int source = 0; source < plan.sun_sources + plan.sky_components; ++source) {
+    const std::vector<double>& light = plan.source_spectrum[static_cast<std::size_t>(source) * nodes + middle];
+    auto& share = out.emplace_back(light.size(), 0.0);
+    for (std::size_t i = 0; i < light.size(); ++i)
+      if (together[i] > least) share[i] = light[i] / together[i];
+  }
+  return out;
+}
+
+/// What products are made of: the first `curves` are of matter, the others are sources' shares.
+struct Parts {
+  Curves all;
+  std::size_t curves = 0;
+  std::vector<BandQuadrature> bands;  ///< of the plan, weighted by the light that falls there; each sums to 1, or to 0
+  std::vector<double> seen;           ///< light at a place of the grid over that of the bands there; 0: none sees it
+  std::size_t shares() const { return all.size() - curves; }
+};
+
+/// How much of the bands' light is at each place of the grid: between the lines of a band is what it sees.
+void find_seen(Parts& parts, const Plan& plan, const std::vector<double>& together) {
+  std::vector<double> weight(together.size(), 0.0), light(together.size(), 0.0);
+  parts.bands = plan.bands;
+  for (auto& band : parts.bands) {
+    double sum = 0, lit = 0;
+    for (std::size_t i = 0; i < band.weight.size(); ++i)
+      sum += band.weight[i], lit += band.weight[i] * together[band.first + i];
+    for (std::size_t i = 0; i < band.weight.size(); ++i) {
+      const double here = std::abs(band.weight[i]);  // some are negative
+      weight[band.first + i] += here, light[band.first + i] += here * lit / sum;
+      band.weight[i] *= lit > 0 ? together[band.first + i] / lit : 0;
+    }
+  }
+  for (std::size_t i = 0; i < together.size(); ++i)
+    parts.seen.push_back(light[i] > 0 ? std::min(kMostSeen, together[i] * weight[i] / light[i]) : 0);
+}
+
+using Factors = std::vector<std::size_t>;  ///< of a product, as numbers of parts; the last is a share
+
+/// Every product of 2 to `most` curves in any order and of a share; none where they are more than kMostRows.
+std::vector<Factors> every_product(const Parts& parts, int most) {
   std::vector<Factors> out, of_one_length = {{}};
   for (int length = 1; length <= most; ++length) {
     std::vector<Factors> longer;
     for (const Factors& product : of_one_length)
-      for (std::size_t c = product.empty() ? 0 : product.back(); c < count; ++c) {
+      for (std::size_t c = product.empty() ? 0 : product.back(); c < parts.curves; ++c) {
         longer.push_back(product);
         longer.back().push_back(c);
       }
-    if (length > 1) out.insert(out.end(), longer.begin(), longer.end());
-    if (out.size() > kMostRows || longer.size() > kMostRows) return {};
+    if (out.size() + longer.size() * parts.shares() > kMostRows) return {};
+    for (const Factors& product : longer)
+      for (std::size_t share = 0; length > 1 && share < parts.shares(); ++share) {
+        out.push_back(product);
+        out.back().push_back(parts.curves + share);
+      }
     of_one_length = std::move(longer);
   }
   return out;
 }
 
-/// Products of 2 to `most` of `count` curves, drawn by `draw`; of training every other one is a curve's own power.
-std::vector<Factors> drawn_products(std::size_t count, int most, std::uint32_t draw) {
+/// Products of 2 to `most` curves and a share, drawn by `draw`; of training every other one is a curve's own power.
+std::vector<Factors> drawn_products(const Parts& parts, int most, std::uint32_t draw) {
+  const std::size_t count = parts.curves;
   std::vector<Factors> out(draw == kTraining ? kMostRows : std::clamp(kRowsOfACurve * count, kRowsOfACurve, kMostRows));
   for (std::size_t r = 0; r < out.size(); ++r) {
     const auto random = [&](std::uint32_t what) { return rc_hash(static_cast<std::uint32_t>(r), what, 0, draw); };
     const std::uint32_t length = 2 + random(0) % static_cast<std::uint32_t>(most - 1);
     const bool power = draw == kTraining && r % 2 == 0;
     for (std::uint32_t f = 0; f < length; ++f) out[r].push_back(power ? r / 2 % count : random(1 + f) % count);
+    out[r].push_back(count + random(1 + length) % parts.shares());
   }
   return out;
 }
 
 /// A row of each product on the grid, over the largest value of its darkest factor: what the light is to whoever looks
-/// at that matter.
-Eigen::MatrixXd rows_of(const std::vector<Factors>& products, const Curves& factors) {
+/// at that matter; times how much of it is seen.
+Eigen::MatrixXd rows_of(const std::vector<Factors>& products, const Parts& parts) {
+  const Curves& factors = parts.all;
   const std::size_t grid = factors.front().size();
   std::vector<double> largest;
   for (const auto& curve : factors) largest.push_back(std::max(1e-300, *std::max_element(curve.begin(), curve.end())));
   Eigen::MatrixXd out(static_cast<Eigen::Index>(products.size()), static_cast<Eigen::Index>(grid));
   for (std::size_t r = 0; r < products.size(); ++r) {
     double darkest = 1;
-    for (const std::size_t f : products[r]) darkest = std::min(darkest, largest[f]);
-    std::vector<double> product(grid, 1 / darkest);
+    for (const std::size_t f : products[r])
+      if (f < parts.curves) darkest = std::min(darkest, largest[f]);
+    std::vector<double> product = parts.seen;
+    for (double& value : product) value /= darkest;
     for (const std::size_t f : products[r])
       for (std::size_t i = 0; i < grid; ++i) product[i] *= factors[f][i];
     for (std::size_t i = 0; i < grid; ++i) out(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i)) = product[i];
@@ -115,12 +175,19 @@ Picked pick_columns(Eigen::MatrixXd rest, Eigen::Index most) {
   return out;
 }
 
-/// basis [pick][grid] of the first `count` picks.
-Eigen::MatrixXd basis_of(const Picked& picked, Eigen::Index count) {
+/// basis [pick][grid] of the first `count` picks, for values without what is seen of them.
+Eigen::MatrixXd basis_of(const Picked& picked, Eigen::Index count, const std::vector<double>& seen) {
   Eigen::MatrixXd triangle(count, count);
   for (Eigen::Index k = 0; k < count; ++k)
     triangle.col(k) = picked.factor.col(picked.column[static_cast<std::size_t>(k)]).head(count);
-  return triangle.triangularView<Eigen::Upper>().solve(picked.factor.topRows(count));
+  Eigen::MatrixXd basis = triangle.triangularView<Eigen::Upper>().solve(picked.factor.topRows(count));
+  for (Eigen::Index k = 0; k < count; ++k)
+    basis.row(k) *= seen[static_cast<std::size_t>(picked.column[static_cast<std::size_t>(k)])];
+  for (Eigen::Index l = 0; l < basis.cols(); ++l) {
+    const double here = seen[static_cast<std::size_t>(l)];
+    basis.col(l) *= here > 0 ? 1 / here : 0;
+  }
+  return basis;
 }
 
 double band_mean(const BandQuadrature& band, const double* values) {
@@ -129,53 +196,91 @@ double band_mean(const BandQuadrature& band, const double* values) {
   return sum;
 }
 
-/// What products of curves are off by on a basis: their band means, rms over the products that have a curve, over those
-/// products' own rms, held against a hundredth of its largest; of the worst curve and band.
-double judge(const std::vector<Factors>& products, const Curves& factors, const Picked& picked,
-             const Eigen::MatrixXd& basis, const std::vector<BandQuadrature>& bands) {
-  const auto grid = static_cast<Eigen::Index>(factors.front().size());
-  Curves off(factors.size(), std::vector<double>(bands.size())), whole = off;  // [curve][band], squares
+/// Means of each curve over the bands, no smaller than a hundredth of its largest: what its matter shows of itself.
+Curves own_light(const Parts& parts) {
+  Curves out;
+  for (std::size_t f = 0; f < parts.curves; ++f) {
+    auto& own = out.emplace_back();
+    for (const auto& band : parts.bands) own.push_back(band_mean(band, parts.all[f].data()));
+    const double least = std::max(1e-300, 0.01 * *std::max_element(own.begin(), own.end()));
+    for (double& value : own) value = std::max(value, least);
+  }
+  return out;
+}
+
+/// Of products over what each of their curves shows of itself, band means, rms over the products that the curve is in.
+struct Judged {
+  double error = 0;     ///< that a basis makes, of the worst curve and band
+  double strength = 0;  ///< theirs, rms over curves and bands
+};
+
+Judged judge(const std::vector<Factors>& products, const Parts& parts, const Picked& picked,
+             const Eigen::MatrixXd& basis) {
+  const auto grid = static_cast<Eigen::Index>(parts.all.front().size());
+  const Curves own = own_light(parts);
+  Curves off(parts.curves, std::vector<double>(parts.bands.size())), whole = off;  // [curve][band], squares
+  std::vector<double> seen_in(parts.curves);
   for (const Factors& product : products) {
     Eigen::RowVectorXd value = Eigen::RowVectorXd::Ones(grid), at(basis.rows());
     for (const std::size_t f : product)
-      value = value.cwiseProduct(Eigen::Map<const Eigen::RowVectorXd>(factors[f].data(), grid));
+      value = value.cwiseProduct(Eigen::Map<const Eigen::RowVectorXd>(parts.all[f].data(), grid));
     for (Eigen::Index k = 0; k < basis.rows(); ++k) at(k) = value(picked.column[static_cast<std::size_t>(k)]);
     const Eigen::RowVectorXd rest = value - at * basis;
-    Factors seen = product;
+    Factors seen(product.begin(), product.end() - 1);
     std::sort(seen.begin(), seen.end());
     seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-    for (std::size_t b = 0; b < bands.size(); ++b) {
-      const double wrong = band_mean(bands[b], rest.data()), right = band_mean(bands[b], value.data());
-      for (const std::size_t f : seen) off[f][b] += wrong * wrong, whole[f][b] += right * right;
+    for (const std::size_t f : seen) seen_in[f] += 1;
+    for (std::size_t b = 0; b < parts.bands.size(); ++b) {
+      const double wrong = band_mean(parts.bands[b], rest.data()), right = band_mean(parts.bands[b], value.data());
+      for (const std::size_t f : seen) {
+        const double by = own[f][b] * own[f][b];
+        off[f][b] += wrong * wrong / by, whole[f][b] += right * right / by;
+      }
     }
   }
-  double worst = 0;
-  for (std::size_t f = 0; f < factors.size(); ++f) {
-    const double least = std::max(1e-300, 1e-4 * *std::max_element(whole[f].begin(), whole[f].end()));
-    for (std::size_t b = 0; b < bands.size(); ++b) worst = std::max(worst, off[f][b] / std::max(whole[f][b], least));
-  }
-  return std::sqrt(worst);
+  Judged out;
+  for (std::size_t f = 0; f < parts.curves; ++f)
+    for (std::size_t b = 0; b < parts.bands.size(); ++b) {
+      const double count = std::max(1.0, seen_in[f]);
+      out.error = std::max(out.error, std::sqrt(off[f][b] / count));
+      out.strength += whole[f][b] / count / static_cast<double>(parts.curves * parts.bands.size());
+    }
+  out.strength = std::sqrt(out.strength);
+  return out;
 }
 
-void fit_skeleton(Bounces& out, const Plan& plan, const Curves& factors, double share) {
+void fit_skeleton(Bounces& out, const Plan& plan, const Parts& parts, double share) {
   const int most = std::clamp(out.levels + 1, 2, kMostFactors);
-  std::vector<Factors> training = every_product(factors.size(), most);
-  if (training.empty()) training = drawn_products(factors.size(), most, kTraining);
-  const Picked picked = pick_columns(rows_of(training, factors), static_cast<Eigen::Index>(kMostWavelengths));
-  const std::vector<Factors> unseen = drawn_products(factors.size(), most, kJudging);
+  std::vector<Factors> training = every_product(parts, most);
+  if (training.empty()) training = drawn_products(parts, most, kTraining);
+  const Picked picked = pick_columns(rows_of(training, parts), static_cast<Eigen::Index>(kMostWavelengths));
+  const std::vector<Factors> unseen = drawn_products(parts, most, kJudging);
   const std::size_t all = picked.column.size();
   Eigen::MatrixXd basis;
   for (std::size_t count = std::min(kStep, all);; count = std::min(count + kStep, all)) {
-    basis = basis_of(picked, static_cast<Eigen::Index>(count));
-    out.error = judge(unseen, factors, picked, basis, plan.bands);
+    basis = basis_of(picked, static_cast<Eigen::Index>(count), parts.seen);
+    const Judged judged = judge(unseen, parts, picked, basis);
+    out.error = judged.error, out.strength = judged.strength;
     if (out.error <= share || count == all) break;
   }
-  out.amplified = std::sqrt(basis.colwise().squaredNorm().maxCoeff());
+  double amplified = 0;  // where half of the usual light is, and more
+  for (Eigen::Index l = 0; l < basis.cols(); ++l)
+    if (parts.seen[static_cast<std::size_t>(l)] > 0.5) amplified = std::max(amplified, basis.col(l).squaredNorm());
+  out.amplified = std::sqrt(amplified);
   for (Eigen::Index k = 0; k < basis.rows(); ++k) {
     out.skeleton.push_back(static_cast<std::size_t>(picked.column[static_cast<std::size_t>(k)]));
     auto& row = out.basis.emplace_back(plan.wavelength_um.size());
     for (std::size_t i = 0; i < row.size(); ++i) row[i] = basis(k, static_cast<Eigen::Index>(i));
   }
+}
+
+/// Shares of the sources at the skeleton's wavelengths, [source][padded].
+void sample_shares(Bounces& out, const Parts& parts) {
+  const std::size_t padded = RC_PADDED(out.skeleton.size());
+  out.source_share.assign(parts.shares() * padded, 0.0f);
+  for (std::size_t s = 0; s < parts.shares(); ++s)
+    for (std::size_t m = 0; m < out.skeleton.size(); ++m)
+      out.source_share[s * padded + m] = static_cast<float>(parts.all[parts.curves + s][out.skeleton[m]]);
 }
 
 /// Curves at the skeleton's wavelengths, [curve - 1][padded]; of materials that no triangle carries, zero.
@@ -234,23 +339,40 @@ void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
 
 }  // namespace
 
+std::vector<std::vector<double>> light_together(const Plan& plan) {
+  const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
+  std::vector<std::vector<double>> out(nodes, std::vector<double>(plan.wavelength_um.size(), 0.0));
+  for (int source = 0; source < plan.sun_sources + plan.sky_components; ++source)
+    for (std::size_t n = 0; n < nodes; ++n) {
+      const std::vector<double>& light = plan.source_spectrum[static_cast<std::size_t>(source) * nodes + n];
+      for (std::size_t i = 0; i < light.size(); ++i) out[n][i] += together_weight(plan, source) * light[i];
+    }
+  return out;
+}
+
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share) {
   plan.bounces = {};
   if (levels <= 0 || plan.sun_sources + plan.sky_components == 0) return;
-  const Curves factors = factors_of(plan, scene);
-  if (factors.empty()) return;
+  Parts parts;
+  parts.all = factors_of(plan, scene);
+  parts.curves = parts.all.size();
+  if (parts.curves == 0) return;
+  const std::vector<double> together = light_together(plan)[middle_node(plan)];
+  for (auto& light : shares_of(plan, together)) parts.all.push_back(std::move(light));
+  find_seen(parts, plan, together);
   plan.bounces.levels = levels, plan.bounces.share = share;
-  fit_skeleton(plan.bounces, plan, factors, share);
+  fit_skeleton(plan.bounces, plan, parts, share);
   if (plan.bounces.skeleton.empty()) {  // nothing reflects
     plan.bounces = {};
     return;
   }
   if (plan.bounces.error > share || plan.bounces.amplified > kMostAmplified)
     plan.notices.push_back(fmt::format(
-        "{}{} wavelengths along paths tell those between them to {:.2g} % of that light (asked: "
+        "{}{} wavelengths along paths tell those between them to {:.2g} % of what is seen (asked: "
         "{:.2g} %), and its noise grows by at most {:.2g}; fewer materials, or fewer bounces, would do better",
         kBetweenSurfaces, plan.bounces.skeleton.size(), 100 * plan.bounces.error, 100 * share, plan.bounces.amplified));
   if (plan.sky.rays == 0) plan.sky.rays = paths;
+  sample_shares(plan.bounces, parts);
   sample_skeleton(plan.bounces, plan, scene);
   find_scattering(plan.bounces, scene);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "host/plan/plan.h"
 
@@ -9,13 +10,18 @@ namespace raycube::plan {
 
 inline constexpr std::string_view kBetweenSurfaces = "light between surfaces: ";  ///< that notices of it begin with
 
+/// Light of the sun and its sky together, [h * view.count + v][grid]: the sun's by the cosine of its zenith angle (0.05
+/// at least) and the first component's, what level ground gets of both. A path's gain is told per unit of it.
+std::vector<std::vector<double>> light_together(const Plan& plan);
+
 /// Fills plan.bounces, and plan.sky.rays by `paths` where no rays go to the sky, for `levels` surfaces after the first;
 /// nothing where that is 0, or where neither sun nor sky are sources. The plan has its grid, its bands and its sources.
 ///
 /// Whatever the geometry, light of one source scattered n times is S(l) F(c_1(l), ..) with F a power series in the
-/// curves whose coefficients know no wavelength; so it lies close to a space of few dimensions over l. Training rows
-/// are products of 2 to levels + 1 of the scene's curves, 8 at most (with R + T of leaves), all of them or 600 drawn;
-/// wavelengths are picked one after the other where what is left of the rows is largest (column-pivoted QR by modified
+/// curves whose coefficients know no wavelength; so it lies close to a space of few dimensions over l, and so does that
+/// of all sources over their light together, each by its share of that, at the middle of the heights. Training rows are
+/// products of 2 to levels + 1 of the scene's curves, 8 at most (with R + T of leaves), and of one share, all of them
+/// or 600 drawn; wavelengths are picked one after the other where what is left of the rows is largest (column-pivoted QR by modified
 /// Gram-Schmidt: Golub & Van Loan, Matrix Computations, 4th ed., 5.4.2), and F(l) = sum_m basis[m][l] F(l_m) by least
 /// squares over the rows. As many as it takes until products that the fit has not seen err by at most `share` in their
 /// worst band; 128 at most, and all of a shorter grid.

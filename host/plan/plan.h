@@ -144,12 +144,16 @@ struct SkyFlux {
 /// of the grid, the skeleton; what lies between them is `basis` times that, whatever the geometry.
 struct Bounces {
   int levels = 0;  ///< surfaces after the first; 0: light is scattered once, and so it is without a skeleton
-  std::vector<std::size_t> skeleton;          ///< indices into the grid
-  std::vector<std::vector<double>> basis;     ///< [skeleton][grid]
-  double share = 0;                           ///< of typical light that it was fitted to
-  double error = 0;                           ///< of products of curves that the fit has not seen, worst band, relative
+  std::vector<std::size_t> skeleton;       ///< indices into the grid
+  std::vector<std::vector<double>> basis;  ///< [skeleton][grid]
+  double share = 0;                        ///< that this was to be
+  /// Of products of curves that the fit has not seen, over what each of them shows by itself, worst band: of what is
+  /// seen, where surfaces see nothing but others as bright as they are.
+  double error = 0;
+  double strength = 0;                        ///< of those products, rms: what there is then of light between surfaces
   double amplified = 1;                       ///< largest root of a sum of squares over the skeleton, of any wavelength
   std::vector<float> curve;                   ///< [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h
+  std::vector<float> source_share;            ///< [sun, the sun's sky's components][skeleton, padded]
   std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T
 
   bool any() const { return !skeleton.empty(); }

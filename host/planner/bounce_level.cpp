@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint64_t kBounceLevel = 0x1b873593u;  ///< added to the seed: pixels and draws of its own
 constexpr int kLevelRuns = 32, kLevelColumns = 512;  ///< of 8 pixels each; pixels traced at once
 constexpr int kLevelPaths = 16;                      ///< of a pixel and draw
-/// The skeleton may err by more of that light the less of it there is, but there are places that have more than most.
+/// The skeleton may err by more the less of that light there is, but some places have more of it than most.
 constexpr double kLeastPart = 0.25;
 constexpr double kMissedShare = 0.1;  ///< of the tolerance
 /// Errors are told in so many steps of that: what devices round differently does not move the choice.
@@ -110,7 +110,7 @@ bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulat
                     "%); bounces = 64 is the most",
                     plan::kBetweenSurfaces, kLevels[chosen], 100 * error[chosen], 100 * share));
   plan::plan_bounces(plan, simulation.scene, kLevels[chosen], simulation.sky_directions,
-                     bounces.share / std::clamp(error[0], kLeastPart, 1.0));
+                     bounces.share / std::clamp(error[0] / std::max(bounces.strength, error[0]), kLeastPart, 1.0));
   if (plan.baked) plan.baked = std::make_shared<plan::BakedRows>();  // rows of another skeleton are none of this one's
   return RC_PADDED(bounces.skeleton.size()) != words;
 }

@@ -15,8 +15,7 @@ PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directio
                  (plan.environment.empty() ? 0 : 4 * held(plan.height.count) * held(plan.view.count));
   if (plan.bounces.levels > 0) {
     counts.path_rays = 2.0 * directions * plan.bounces.levels;
-    counts.terms += static_cast<double>(plan.bounces.skeleton.size()) * (plan.sun_sources + plan.sky_components) *
-                    held(plan.height.count) * held(plan.view.count);
+    counts.terms += static_cast<double>(plan.bounces.skeleton.size()) * held(plan.height.count) * held(plan.view.count);
   }
   counts.bands = static_cast<double>(plan.bands.size());
   return counts;

@@ -243,10 +243,11 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
          b.any() ? fmt::format("{} more", plural(static_cast<std::size_t>(b.levels), "surface")) : "none",
          chosen ? missed : b.error, chosen && b.any() ? once_missed : -1,
          b.any() ? fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")) : "none",
-         !chosen   ? "the file asks for them; the error is the wavelengths', of that light alone"
-         : b.any() ? fmt::format("light by more surfaces, by a trial; the wavelengths err by {} of that light",
-                                 percent_text(b.error))
-                   : "light scattered once is that near, by a trial",
+         !chosen ? "the file asks for them; the error is the wavelengths', where surfaces see nothing but each other"
+         : b.any()
+             ? fmt::format("light by more surfaces, by a trial; the wavelengths err by {} where it is all there is",
+                           percent_text(b.error))
+             : "light scattered once is that near, by a trial",
          !chosen});
   }
   return lines;

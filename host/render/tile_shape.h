@@ -40,15 +40,13 @@ struct StageShape {
   bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int sources() const { return sun + components + temperatures; }
-  int glow_sources() const { return sun + components - thermal_components; }  ///< whose light goes on between surfaces
   int skeleton_padded() const { return RC_PADDED(skeleton); }
   int sky_planes() const { return RC_SKY_PLANES_OF(components); }
   int accumulators() const { return RC_ROW_ACCUMULATORS(sources(), heights); }
   /// Elements of a pixel in the buffers of a chunk.
   shared::TileElements tile() const {
     return {static_cast<std::size_t>(chunk_samples), static_cast<std::size_t>(sky_planes()), matter.shaped,
-            static_cast<std::size_t>(matter.sides),
-            bounces ? static_cast<std::size_t>(glow_sources() * skeleton_padded()) : 0};
+            static_cast<std::size_t>(matter.sides), bounces ? static_cast<std::size_t>(skeleton_padded()) : 0};
   }
   /// Elements of an item in the buffers of rows.
   shared::RowElements rows(std::size_t capacity) const {
@@ -58,7 +56,7 @@ struct StageShape {
   std::size_t term_capacity(std::size_t capacity) const {
     return static_cast<std::size_t>(heights) * path_x * path_y +
            (environment ? RC_ENVIRONMENT_NODES * static_cast<std::size_t>(heights) * views : 0) +
-           (bounces ? static_cast<std::size_t>(glow_sources() * skeleton) * heights * views : 0) +
+           (bounces ? static_cast<std::size_t>(skeleton) * heights * views : 0) +
            capacity * static_cast<std::size_t>(sources()) * heights * views;
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.

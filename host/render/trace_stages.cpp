@@ -56,6 +56,7 @@ struct PathStage {
       : kernel(program, "trace_bounce"),
         scattering(context, plan.bounces.scattering, cl::Access::read_only, "scattering of surfaces"),
         curve(context, plan.bounces.curve, cl::Access::read_only, "curves of the skeleton"),
+        share(context, plan.bounces.source_share, cl::Access::read_only, "sources of the skeleton"),
         weight(context, shape.tile().near, cl::Access::read_only, "sample weights"),
         weights(std::move(weights_)) {}
 
@@ -71,7 +72,7 @@ struct PathStage {
 
   cl::Kernel kernel;
   cl::Buffer<shared::rc_float4> scattering;
-  cl::Buffer<float> curve, weight;
+  cl::Buffer<float> curve, share, weight;
   std::optional<sensors::SampleWeights> weights;
   int loaded_chunk = -1;
 };
@@ -197,6 +198,7 @@ struct TraceStages::State {
                              .lobes = buffers.lobes,
                              .scattering = paths->scattering,
                              .skeleton_curve = paths->curve,
+                             .source_share = paths->share,
                              .groups = traced.groups,
                              .hits = traced.hits,
                              .surface = traced.surface,

@@ -106,20 +106,19 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   }
 #if RC_BOUNCES
   /* Light between surfaces: the pixel's own mean over the height nodes stands for where it was scattered last. */
-  for (uint s = 0; s < RC_GLOW_SOURCES; ++s)
-    for (uint m = 0; m < skeleton_rows; ++m) {
-      float sum = 0.0f;
-      for (uint part = 0; part < RC_PATH_PARTS; ++part) sum += glow[RC_GLOW_AT(pixel, part) + s * RC_SKELETON + m];
-      if (glow_part < RC_PATH_PARTS)
-        sum = fma(glow_spread, fma(glow_scale, glow[RC_GLOW_AT(pixel, glow_part) + s * RC_SKELETON + m], -sum), sum);
-      for (uint h = 0; h < RC_HEIGHTS; ++h)
-        for (int v = 0; v < RC_VIEWS; ++v) {
-          const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, iv, fv));
-          if (w == 0.0f) continue;
-          rows[n] = (skeleton_row + m) * RC_CHANNELS + (s * RC_HEIGHTS + h) * RC_VIEWS + (uint)v;
-          weights[n++] = w;
-        }
-    }
+  for (uint m = 0; m < skeleton_rows; ++m) {
+    float sum = 0.0f;
+    for (uint part = 0; part < RC_PATH_PARTS; ++part) sum += glow[RC_GLOW_AT(pixel, part) + m];
+    if (glow_part < RC_PATH_PARTS)
+      sum = fma(glow_spread, fma(glow_scale, glow[RC_GLOW_AT(pixel, glow_part) + m], -sum), sum);
+    for (uint h = 0; h < RC_HEIGHTS; ++h)
+      for (int v = 0; v < RC_VIEWS; ++v) {
+        const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, iv, fv));
+        if (w == 0.0f) continue;
+        rows[n] = (skeleton_row + m) * RC_CHANNELS + h * RC_VIEWS + (uint)v;
+        weights[n++] = w;
+      }
+  }
 #endif
   term_count[item] = n;
 }

@@ -1,6 +1,6 @@
 /* Reads: hits, surface points of make_surface, the scene, its curves at the skeleton wavelengths, the sky's maps.
- * Writes: by pixel and part of its samples, for the sun and each solar component of the sky, what light that was
- * scattered at least twice adds, at each skeleton wavelength: radiance per unit of the source, times pi. Next: resolve.
+ * Writes: by pixel and part of its samples, what light of the sun and its sky that was scattered at least twice adds,
+ * at each skeleton wavelength: radiance per unit of both together (plan::light_together), times pi. Next: resolve.
  */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/light/bounce.h"
@@ -22,8 +22,7 @@ static inline void rc_begin_path(SceneArrays scene, const PathTables* t, global 
   if (side == 0u) factor *= rc_spread(at, (float4)(ray.x, ray.y, ray.z, 0.0f));
 #endif
   rc_carry_on(scene, t, surface, side, factor, unit, paths->carried[k]);
-  for (uint s = 0; s < RC_GLOW_SOURCES; ++s)
-    for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][s][m] = 0.0f;
+  for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = 0.0f;
   paths->reach[k] = t->scattering[surface].y;
   rc_put_ray(&paths->rays, k,
              (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f),
@@ -38,9 +37,7 @@ static inline void rc_add_paths(SceneArrays scene, const PathTables* t, Paths16*
   rc_follow(scene, t, paths);
   for (uint k = 0; k < paths->count; ++k) {
     global float* to = out + RC_GLOW_AT(paths->pixel[k], paths->part[k]);
-    for (uint s = 0; s < RC_GLOW_SOURCES; ++s)
-      for (uint m = 0; m < RC_SKELETON; ++m)
-        to[s * RC_SKELETON + m] = fma(paths->scale[k], paths->gained[k][s][m], to[s * RC_SKELETON + m]);
+    for (uint m = 0; m < RC_SKELETON; ++m) to[m] = fma(paths->scale[k], paths->gained[k][m], to[m]);
   }
   paths->count = 0;
 }
@@ -56,6 +53,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
       lobes,
       scattering,
       skeleton_curve,
+      source_share,
       {sky_map, sky_zenith, sky_azimuth, zeniths, azimuths, thermal_map, thermal_zenith, thermal_zeniths, sun_azimuth},
       sun_direction,
       sun_up,

@@ -20,6 +20,7 @@ typedef struct PathTables {
   global const Lobe* lobes;           /* [surface][RC_LOBES] */
   global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
   global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
+  global const float* source_share;   /* [sun, solar components][RC_SKELETON]: a source's light over that of all */
   SkyMap sky;
   float4 sun; /* direction to it */
   uint sun_up, levels, seed;
@@ -28,7 +29,7 @@ typedef struct PathTables {
 typedef struct Paths16 {
   Rays16 rays;
   float carried[16][RC_SKELETON];
-  float gained[16][RC_GLOW_SOURCES][RC_SKELETON];
+  float gained[16][RC_SKELETON];
   float reach[16];           /* bound of what is carried: product of the surfaces' largest R + T */
   float scale[16];           /* samples that the path stands for, times their weight */
   uint pixel[16], part[16];  /* of the group; part of its samples */
@@ -149,7 +150,7 @@ __attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathT
       factor *= rc_shape_factor(t, ends->surface[k], rc_lane_of(ends->normal, k), t->sun, -rc_way_of(&paths->rays, k));
     float light[RC_SKELETON];
     rc_carry_on(scene, t, ends->surface[k], side[i], factor, paths->carried[k], light);
-    for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][0][m] += light[m];
+    for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = fma(t->source_share[m], light[m], paths->gained[k][m]);
   }
 }
 
@@ -159,9 +160,12 @@ static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
 #if RC_GLOW_SOURCES > RC_SUN
   float light[RC_SKY_PLANES];
   rc_sky_light(&t->sky, paths->rays.dx[k], paths->rays.dy[k], paths->rays.dz[k], light);
-  for (uint c = 0; c < RC_GLOW_SOURCES - RC_SUN; ++c)
-    for (uint m = 0; m < RC_SKELETON; ++m)
-      paths->gained[k][RC_SUN + c][m] += 3.14159265f * light[c] * paths->carried[k][m];
+  for (uint m = 0; m < RC_SKELETON; ++m) {
+    float sky = 0.0f;
+    for (uint c = 0; c < RC_GLOW_SOURCES - RC_SUN; ++c)
+      sky = fma(light[c], t->source_share[(RC_SUN + c) * RC_SKELETON + m], sky);
+    paths->gained[k][m] = fma(3.14159265f * sky, paths->carried[k][m], paths->gained[k][m]);
+  }
 #endif
 }
 

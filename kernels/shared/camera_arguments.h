@@ -88,6 +88,7 @@
   READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED or RC_SIDES 2 */ \
   READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T */ \
   READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
+  READ(rc_float, source_share) NEXT() /* [sun, solar components][RC_SKELETON]: a source's light over that of all */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \

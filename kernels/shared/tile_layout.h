@@ -15,10 +15,9 @@
  *   met_sky   float   [RC_SKY_PLANES][padded]    irradiance, by component: what the sample's rays into the sky add to
  *                                               the share of the open sky that is taken for granted; zero where it
  *                                               sends none. With shapes (RC_SHAPED) open sky counts pi f times
- *   glow      float   [RC_PATH_PARTS][RC_GLOW_SOURCES][RC_SKELETON]  where light goes on from surface to surface
- *                                               (RC_BOUNCES): by part of the samples, what it adds of the sun and of
- *                                               each solar component, at the skeleton wavelengths; the parts' sum is
- *                                               the pixel's
+ *   glow      float   [RC_PATH_PARTS][RC_SKELETON]  where light goes on from surface to surface (RC_BOUNCES): by part
+ *                                               of the samples, what it adds at the skeleton wavelengths, per light
+ *                                               of the sun and its sky together; the parts' sum is the pixel's
  * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
@@ -140,7 +139,7 @@
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
 #define RC_MET_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
 #define RC_GLOW_AT(pixel, part) \
-  (((size_t)(pixel)*RC_PATH_PARTS + (part)) * (RC_GLOW_SOURCES * RC_SKELETON)) /* a part's first element */
+  (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_SKELETON) /* a part's first element */
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
 /* An item's first element, and a key's sums from there. */
 #define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
