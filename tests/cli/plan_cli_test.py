@@ -146,4 +146,31 @@ with tempfile.TemporaryDirectory() as temporary:
     not_replayed(open_file, folder / "named.json", ["no instrument 'camera'", "eye"])
     not_replayed(open_file, folder / "none.json", ["cannot be read"])
 
+
+with tempfile.TemporaryDirectory() as temporary:
+    # So many surfaces as a trial chooses are told, and render as the same number given.
+    folder = pathlib.Path(temporary)
+    run("new", folder / "garden", "-q")
+    garden = next((folder / "garden").glob("*.toml"))
+
+    def bounced(bounces):
+        text = garden.read_text().replace("format = 1\n", f"format = 1\nbounces = {bounces}\n", 1)
+        file = garden.with_name("bounced.toml")
+        file.write_text(text)
+        run("plan", file, "-o", folder / "bounced.json", "--overwrite", "-q")
+        run("render", file, "-o", folder / "bounced", "--overwrite", "-q")
+        radiance = (folder / "bounced/camera/radiance.img").read_bytes()
+        return json.loads((folder / "bounced.json").read_text())["instruments"][0], radiance
+
+    entry, radiance = bounced('"auto"')
+    levels = entry["plan"]["bounces"]
+    check(levels in (1, 2, 4, 8), levels)
+    line = next(line for line in entry["decision"]["lines"] if line["block"] == "between surfaces")
+    # A tenth of the tolerance of 2 %; light between surfaces is a few percent beside walls and under crowns.
+    check(not line["given"] and line["error"] <= 0.002 and 0.01 < line["error_without"] < 0.2, line)
+    check(bounced(levels)[1] == radiance, "chosen and given differ")
+    check(bounced(0)[1] != radiance)
+    garden.write_text(garden.read_text().replace("format = 1\n", 'format = 1\nbounces = "many"\n', 1))
+    refused("plan", garden, status=2, says=["bounces", "many", 'an integer or "auto"'])
+
 print(f"plan_cli: {program.checks} checks")
