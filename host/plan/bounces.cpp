@@ -150,39 +150,48 @@ Eigen::MatrixXd rows_of(const std::vector<Factors>& products, const Parts& parts
   return out;
 }
 
-/// Columns of a matrix, picked one after the other, and the triangular factor that they leave.
-struct Picked {
-  std::vector<Eigen::Index> column;
-  Eigen::MatrixXd factor;  ///< [pick][column of the matrix]
+/// Picks columns of a matrix, one after the other where what the picks before leave of the rows is largest.
+class ColumnPicks {
+ public:
+  explicit ColumnPicks(Eigen::MatrixXd rows) : rest_(std::move(rows)) {}
+
+  /// Until there are `count` of them, or nothing is left.
+  void go_on_to(std::size_t count) {
+    count = std::min({count, static_cast<std::size_t>(rest_.cols()), static_cast<std::size_t>(rest_.rows())});
+    factor_.conservativeResize(static_cast<Eigen::Index>(std::max(count, column_.size())), rest_.cols());
+    while (column_.size() < count) {
+      const Eigen::VectorXd left = rest_.colwise().squaredNorm();
+      Eigen::Index at = 0;
+      const double here = left.maxCoeff(&at);
+      if (column_.empty()) largest_ = here;
+      if (!(here > kNothingLeft * largest_)) break;
+      const auto k = static_cast<Eigen::Index>(column_.size());
+      const Eigen::VectorXd q = rest_.col(at) / std::sqrt(here);
+      factor_.row(k) = q.transpose() * rest_;
+      rest_.noalias() -= q * factor_.row(k);
+      column_.push_back(at);
+    }
+  }
+
+  const std::vector<Eigen::Index>& column() const { return column_; }
+  /// [pick][column of the matrix]: triangular where the picks are.
+  auto factor() const { return factor_.topRows(static_cast<Eigen::Index>(column_.size())); }
+
+ private:
+  Eigen::MatrixXd rest_, factor_;
+  std::vector<Eigen::Index> column_;
+  double largest_ = 0;
 };
 
-Picked pick_columns(Eigen::MatrixXd rest, Eigen::Index most) {
-  Picked out;
-  most = std::min({most, rest.cols(), rest.rows()});
-  out.factor.resize(most, rest.cols());
-  double largest = 0;
-  for (Eigen::Index k = 0; k < most; ++k) {
-    const Eigen::VectorXd left = rest.colwise().squaredNorm();
-    Eigen::Index at = 0;
-    const double here = left.maxCoeff(&at);
-    if (k == 0) largest = here;
-    if (!(here > kNothingLeft * largest)) break;
-    const Eigen::VectorXd q = rest.col(at) / std::sqrt(here);
-    out.factor.row(k) = q.transpose() * rest;
-    rest.noalias() -= q * out.factor.row(k);
-    out.column.push_back(at);
-  }
-  return out;
-}
-
-/// basis [pick][grid] of the first `count` picks, for values without what is seen of them.
-Eigen::MatrixXd basis_of(const Picked& picked, Eigen::Index count, const std::vector<double>& seen) {
-  Eigen::MatrixXd triangle(count, count);
-  for (Eigen::Index k = 0; k < count; ++k)
-    triangle.col(k) = picked.factor.col(picked.column[static_cast<std::size_t>(k)]).head(count);
-  Eigen::MatrixXd basis = triangle.triangularView<Eigen::Upper>().solve(picked.factor.topRows(count));
-  for (Eigen::Index k = 0; k < count; ++k)
-    basis.row(k) *= seen[static_cast<std::size_t>(picked.column[static_cast<std::size_t>(k)])];
+/// basis [pick][grid], for values without what is seen of them.
+Eigen::MatrixXd basis_of(const ColumnPicks& picks, const std::vector<double>& seen) {
+  const std::vector<Eigen::Index>& column = picks.column();
+  const Eigen::MatrixXd factor = picks.factor();
+  Eigen::MatrixXd triangle(factor.rows(), factor.rows());
+  for (Eigen::Index k = 0; k < factor.rows(); ++k) triangle.col(k) = factor.col(column[static_cast<std::size_t>(k)]);
+  Eigen::MatrixXd basis = triangle.triangularView<Eigen::Upper>().solve(factor);
+  for (Eigen::Index k = 0; k < basis.rows(); ++k)
+    basis.row(k) *= seen[static_cast<std::size_t>(column[static_cast<std::size_t>(k)])];
   for (Eigen::Index l = 0; l < basis.cols(); ++l) {
     const double here = seen[static_cast<std::size_t>(l)];
     basis.col(l) *= here > 0 ? 1 / here : 0;
@@ -208,67 +217,85 @@ Curves own_light(const Parts& parts) {
   return out;
 }
 
-/// Of products over what each of their curves shows of itself, band means, rms over the products that the curve is in.
-struct Judged {
-  double error = 0;     ///< that a basis makes, of the worst curve and band
-  double strength = 0;  ///< theirs, rms over curves and bands
-};
-
-Judged judge(const std::vector<Factors>& products, const Parts& parts, const Picked& picked,
-             const Eigen::MatrixXd& basis) {
-  const auto grid = static_cast<Eigen::Index>(parts.all.front().size());
-  const Curves own = own_light(parts);
-  Curves off(parts.curves, std::vector<double>(parts.bands.size())), whole = off;  // [curve][band], squares
-  std::vector<double> seen_in(parts.curves);
-  for (const Factors& product : products) {
-    Eigen::RowVectorXd value = Eigen::RowVectorXd::Ones(grid), at(basis.rows());
-    for (const std::size_t f : product)
-      value = value.cwiseProduct(Eigen::Map<const Eigen::RowVectorXd>(parts.all[f].data(), grid));
-    for (Eigen::Index k = 0; k < basis.rows(); ++k) at(k) = value(picked.column[static_cast<std::size_t>(k)]);
-    const Eigen::RowVectorXd rest = value - at * basis;
-    Factors seen(product.begin(), product.end() - 1);
-    std::sort(seen.begin(), seen.end());
-    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-    for (const std::size_t f : seen) seen_in[f] += 1;
-    for (std::size_t b = 0; b < parts.bands.size(); ++b) {
-      const double wrong = band_mean(parts.bands[b], rest.data()), right = band_mean(parts.bands[b], value.data());
-      for (const std::size_t f : seen) {
-        const double by = own[f][b] * own[f][b];
-        off[f][b] += wrong * wrong / by, whole[f][b] += right * right / by;
-      }
+/// Products that no fit has seen, over what each of their curves shows of itself: band means, rms over the products
+/// that a curve is in.
+class Judge {
+ public:
+  Judge(const std::vector<Factors>& products, const Parts& parts)
+      : parts_(parts),
+        own_(own_light(parts)),
+        value_(static_cast<Eigen::Index>(parts.all.front().size()), static_cast<Eigen::Index>(products.size())),
+        seen_in_(parts.curves, 0.0) {
+    value_.setOnes();
+    for (std::size_t r = 0; r < products.size(); ++r) {
+      auto value = value_.col(static_cast<Eigen::Index>(r));
+      for (const std::size_t f : products[r])
+        value = value.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(parts.all[f].data(), value_.rows()));
+      Factors curves(products[r].begin(), products[r].end() - 1);
+      std::sort(curves.begin(), curves.end());
+      curves.erase(std::unique(curves.begin(), curves.end()), curves.end());
+      for (const std::size_t f : curves) seen_in_[f] += 1;
+      curves_.push_back(std::move(curves));
     }
   }
-  Judged out;
-  for (std::size_t f = 0; f < parts.curves; ++f)
-    for (std::size_t b = 0; b < parts.bands.size(); ++b) {
-      const double count = std::max(1.0, seen_in[f]);
-      out.error = std::max(out.error, std::sqrt(off[f][b] / count));
-      out.strength += whole[f][b] / count / static_cast<double>(parts.curves * parts.bands.size());
-    }
-  out.strength = std::sqrt(out.strength);
-  return out;
-}
+
+  /// What a basis is off by, of the worst curve and band.
+  double error(const ColumnPicks& picks, const Eigen::MatrixXd& basis) const {
+    Eigen::MatrixXd at(basis.rows(), value_.cols());
+    for (Eigen::Index k = 0; k < basis.rows(); ++k) at.row(k) = value_.row(picks.column()[static_cast<std::size_t>(k)]);
+    double worst = 0;
+    for (const auto& curve : mean_squares(value_ - basis.transpose() * at))
+      for (const double square : curve) worst = std::max(worst, square);
+    return std::sqrt(worst);
+  }
+
+  /// Of the products themselves, rms over curves and bands.
+  double strength() const {
+    double sum = 0;
+    for (const auto& curve : mean_squares(value_))
+      for (const double square : curve) sum += square / static_cast<double>(parts_.curves * parts_.bands.size());
+    return std::sqrt(sum);
+  }
+
+ private:
+  /// [curve][band] of [grid][product].
+  Curves mean_squares(const Eigen::MatrixXd& values) const {
+    Curves out(parts_.curves, std::vector<double>(parts_.bands.size()));
+    for (std::size_t r = 0; r < curves_.size(); ++r)
+      for (std::size_t b = 0; b < parts_.bands.size(); ++b) {
+        const double mean = band_mean(parts_.bands[b], values.col(static_cast<Eigen::Index>(r)).data());
+        for (const std::size_t f : curves_[r]) out[f][b] += mean * mean / (own_[f][b] * own_[f][b] * seen_in_[f]);
+      }
+    return out;
+  }
+
+  const Parts& parts_;
+  Curves own_;
+  Eigen::MatrixXd value_;  ///< [grid][product]
+  std::vector<Factors> curves_;
+  std::vector<double> seen_in_;  ///< so many products
+};
 
 void fit_skeleton(Bounces& out, const Plan& plan, const Parts& parts, double share) {
   const int most = std::clamp(out.levels + 1, 2, kMostFactors);
   std::vector<Factors> training = every_product(parts, most);
   if (training.empty()) training = drawn_products(parts, most, kTraining);
-  const Picked picked = pick_columns(rows_of(training, parts), static_cast<Eigen::Index>(kMostWavelengths));
-  const std::vector<Factors> unseen = drawn_products(parts, most, kJudging);
-  const std::size_t all = picked.column.size();
+  ColumnPicks picks(rows_of(training, parts));
+  const Judge judge(drawn_products(parts, most, kJudging), parts);
+  out.strength = judge.strength();
   Eigen::MatrixXd basis;
-  for (std::size_t count = std::min(kStep, all);; count = std::min(count + kStep, all)) {
-    basis = basis_of(picked, static_cast<Eigen::Index>(count), parts.seen);
-    const Judged judged = judge(unseen, parts, picked, basis);
-    out.error = judged.error, out.strength = judged.strength;
-    if (out.error <= share || count == all) break;
+  for (std::size_t count = kStep; count <= kMostWavelengths; count += kStep) {
+    picks.go_on_to(count);
+    basis = basis_of(picks, parts.seen);
+    out.error = judge.error(picks, basis);
+    if (out.error <= share || picks.column().size() < count) break;
   }
   double amplified = 0;  // where half of the usual light is, and more
   for (Eigen::Index l = 0; l < basis.cols(); ++l)
     if (parts.seen[static_cast<std::size_t>(l)] > 0.5) amplified = std::max(amplified, basis.col(l).squaredNorm());
   out.amplified = std::sqrt(amplified);
   for (Eigen::Index k = 0; k < basis.rows(); ++k) {
-    out.skeleton.push_back(static_cast<std::size_t>(picked.column[static_cast<std::size_t>(k)]));
+    out.skeleton.push_back(static_cast<std::size_t>(picks.column()[static_cast<std::size_t>(k)]));
     auto& row = out.basis.emplace_back(plan.wavelength_um.size());
     for (std::size_t i = 0; i < row.size(); ++i) row[i] = basis(k, static_cast<Eigen::Index>(i));
   }

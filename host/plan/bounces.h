@@ -21,10 +21,11 @@ std::vector<std::vector<double>> light_together(const Plan& plan);
 /// curves whose coefficients know no wavelength; so it lies close to a space of few dimensions over l, and so does that
 /// of all sources over their light together, each by its share of that, at the middle of the heights. Training rows are
 /// products of 2 to levels + 1 of the scene's curves, 8 at most (with R + T of leaves), and of one share, all of them
-/// or 600 drawn; wavelengths are picked one after the other where what is left of the rows is largest (column-pivoted QR by modified
-/// Gram-Schmidt: Golub & Van Loan, Matrix Computations, 4th ed., 5.4.2), and F(l) = sum_m basis[m][l] F(l_m) by least
-/// squares over the rows. As many as it takes until products that the fit has not seen err by at most `share` in their
-/// worst band; 128 at most, and all of a shorter grid.
+/// or 600 drawn; wavelengths are picked one after the other where what is left of the rows is largest (column-pivoted
+/// QR by modified Gram-Schmidt: Golub & Van Loan, Matrix Computations, 4th ed., 5.4.2), and F(l) = sum_m basis[m][l]
+/// F(l_m) by least squares over the rows. As many as it takes until products that the fit has not seen err by at most
+/// `share` of what one of their curves shows by itself, rms over the products that it is in, of the worst curve and
+/// band; 128 at most, and all of a shorter grid.
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share);
 
 }  // namespace raycube::plan

@@ -69,8 +69,8 @@ double missed(int levels) { return 1 - seen(levels) / seen(400); }
 }  // namespace
 
 TEST_CASE("bounces = auto: levels are the fewest whose series leaves out less than a tenth of the tolerance") {
-  // Missed by 0, 1, 2, 4, 8 and 16 levels: 0.42, 0.20, 0.086, 0.017, 7.1e-4 and 1.2e-6; a trial of 8192 paths knows them
-  // to some percent: tolerances whose tenth is a factor of 1.5 from any.
+  // Missed by 0, 1, 2, 4, 8 and 16 levels: 0.42, 0.20, 0.086, 0.017, 7.1e-4 and 1.2e-6; a trial of 8192 paths knows
+  // them to some percent: tolerances whose tenth is a factor of 1.5 from any.
   for (const auto& [tolerance, levels] : {std::pair(1.5, 2), {0.4, 4}, {0.05, 8}, {0.002, 16}}) {
     const Chosen chosen = choose(corner(true, tolerance));
     CAPTURE(tolerance);
