@@ -178,7 +178,8 @@ std::string options_markdown() {
       if (spec.type != KeyType::choice && !spec.shape.empty()) {
         std::string lengths(spec.shape);
         if (const auto bar = lengths.find('|'); bar != std::string::npos) lengths.replace(bar, 1, " or ");
-        range += (range.empty() ? "" : "; ") + lengths + " values";
+        range += (range.empty() ? "" : "; ") +
+                 (spec.type == KeyType::integer_or_word ? "or \"" + lengths + "\"" : lengths + " values");
       }
       const std::string fallback = spec.required()      ? "required"
                                    : spec.has_default() ? "`" + std::string(spec.fallback) + "`"

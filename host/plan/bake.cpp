@@ -4,7 +4,6 @@
 
 #include "host/base/error.h"
 #include "host/plan/baked_rows.h"
-#include "host/plan/bounces.h"
 #include "host/plan/curve.h"
 #include "host/plan/plan.h"
 #include "scene_compiler/matter.h"
@@ -107,9 +106,8 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   const std::uint32_t curves = around || skeleton ? 0 : rc_key_count(key);
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
                                   : std::vector<std::vector<double>>{};
-  const auto together = skeleton ? light_together(plan) : std::vector<std::vector<double>>{};
   const auto& spectra = around       ? environment
-                        : skeleton   ? together
+                        : skeleton   ? plan.bounces.together
                         : curves > 0 ? plan.source_spectrum
                                      : plan.path_spectrum;
   const std::vector<double> scattered =

@@ -27,7 +27,8 @@ constexpr double kMostSeen = 4;               ///< light at a place over that of
 constexpr double kMostAmplified = 4;          ///< that the skeleton may make of noise
 constexpr std::uint32_t kTraining = 61, kJudging = 62;
 
-/// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums.
+/// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums;
+/// none of what is black.
 Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
   Curves out;
   for (const auto number : scene::used_materials(scene)) {
@@ -39,6 +40,7 @@ Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
     out.push_back(out[reflectance]);
     for (std::size_t i = 0; i < plan.wavelength_um.size(); ++i) out.back()[i] += out[reflectance + 1][i];
   }
+  std::erase_if(out, [](const auto& curve) { return !(*std::max_element(curve.begin(), curve.end()) > 0); });
   return out;
 }
 
@@ -46,6 +48,18 @@ Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
 double together_weight(const Plan& plan, int source) {
   if (source < plan.sun_sources) return std::max(0.05, static_cast<double>(plan.sun_direction[2]));
   return source == plan.sun_sources ? 1 : 0;
+}
+
+/// What all sources send together, [h * view.count + v][grid].
+Curves light_together(const Plan& plan) {
+  const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
+  Curves out(nodes, std::vector<double>(plan.wavelength_um.size(), 0.0));
+  for (int source = 0; source < plan.sun_sources + plan.sky_components; ++source)
+    for (std::size_t n = 0; n < nodes; ++n) {
+      const std::vector<double>& light = plan.source_spectrum[static_cast<std::size_t>(source) * nodes + n];
+      for (std::size_t i = 0; i < light.size(); ++i) out[n][i] += together_weight(plan, source) * light[i];
+    }
+  return out;
 }
 
 std::size_t middle_node(const Plan& plan) { return static_cast<std::size_t>(plan.height.count / 2 * plan.view.count); }
@@ -211,7 +225,7 @@ Curves own_light(const Parts& parts) {
   for (std::size_t f = 0; f < parts.curves; ++f) {
     auto& own = out.emplace_back();
     for (const auto& band : parts.bands) own.push_back(band_mean(band, parts.all[f].data()));
-    const double least = std::max(1e-300, 0.01 * *std::max_element(own.begin(), own.end()));
+    const double least = std::max(1e-100, 0.01 * *std::max_element(own.begin(), own.end()));  // its square is a number
     for (double& value : own) value = std::max(value, least);
   }
   return out;
@@ -366,17 +380,6 @@ void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
 
 }  // namespace
 
-std::vector<std::vector<double>> light_together(const Plan& plan) {
-  const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
-  std::vector<std::vector<double>> out(nodes, std::vector<double>(plan.wavelength_um.size(), 0.0));
-  for (int source = 0; source < plan.sun_sources + plan.sky_components; ++source)
-    for (std::size_t n = 0; n < nodes; ++n) {
-      const std::vector<double>& light = plan.source_spectrum[static_cast<std::size_t>(source) * nodes + n];
-      for (std::size_t i = 0; i < light.size(); ++i) out[n][i] += together_weight(plan, source) * light[i];
-    }
-  return out;
-}
-
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share) {
   plan.bounces = {};
   if (levels <= 0 || plan.sun_sources + plan.sky_components == 0) return;
@@ -384,7 +387,8 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
   parts.all = factors_of(plan, scene);
   parts.curves = parts.all.size();
   if (parts.curves == 0) return;
-  const std::vector<double> together = light_together(plan)[middle_node(plan)];
+  plan.bounces.together = light_together(plan);
+  const std::vector<double>& together = plan.bounces.together[middle_node(plan)];
   for (auto& light : shares_of(plan, together)) parts.all.push_back(std::move(light));
   find_seen(parts, plan, together);
   plan.bounces.levels = levels, plan.bounces.share = share;

@@ -2,17 +2,12 @@
 #pragma once
 
 #include <string_view>
-#include <vector>
 
 #include "host/plan/plan.h"
 
 namespace raycube::plan {
 
 inline constexpr std::string_view kBetweenSurfaces = "light between surfaces: ";  ///< that notices of it begin with
-
-/// Light of the sun and its sky together, [h * view.count + v][grid]: the sun's by the cosine of its zenith angle (0.05
-/// at least) and the first component's, what level ground gets of both. A path's gain is told per unit of it.
-std::vector<std::vector<double>> light_together(const Plan& plan);
 
 /// Fills plan.bounces, and plan.sky.rays by `paths` where no rays go to the sky, for `levels` surfaces after the first;
 /// nothing where that is 0, or where neither sun nor sky are sources. The plan has its grid, its bands and its sources.

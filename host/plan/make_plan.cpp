@@ -390,6 +390,7 @@ void fill_report(Plan& plan, const Setting& at, const Light& light, const Levels
   report.sky_error = choice.sky_error;
   report.total_error = total, report.within_tolerance = total <= at.simulation.tolerance;
   report.given = at.simulation.plan;
+  report.bounces.open = !at.simulation.bounces_given;
   report.sky_levels = reported(levels.sky);
   report.irradiance_map_error = map_error;
   report.mean_ground = mean_ground(plan.environment, at.simulation.scene);

@@ -150,10 +150,13 @@ struct Bounces {
   /// Of products of curves that the fit has not seen, over what each of them shows by itself, worst band: of what is
   /// seen, where surfaces see nothing but others as bright as they are.
   double error = 0;
-  double strength = 0;                        ///< of those products, rms: what there is then of light between surfaces
-  double amplified = 1;                       ///< largest root of a sum of squares over the skeleton, of any wavelength
-  std::vector<float> curve;                   ///< [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h
-  std::vector<float> source_share;            ///< [sun, the sun's sky's components][skeleton, padded]
+  double strength = 0;       ///< of those products, rms: what there is then of light between surfaces
+  double amplified = 1;      ///< largest root of a sum of squares over the skeleton, of any wavelength
+  std::vector<float> curve;  ///< [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h
+  /// Light of the sun and its sky together, [h * view.count + v][grid]: the sun's by the cosine of its zenith angle
+  /// (0.05 at least) and the first component's, what level ground gets of both. A path's gain is told per unit of it.
+  std::vector<std::vector<double>> together;
+  std::vector<float> source_share;            ///< [sun, the sun's sky's components][skeleton, padded]: of that
   std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T
 
   bool any() const { return !skeleton.empty(); }

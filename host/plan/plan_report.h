@@ -48,7 +48,8 @@ struct ThermalLeftOut {
 
 /// How many surfaces light comes by, where a trial chose it.
 struct BounceReport {
-  bool chosen = false;
+  bool open = false;                   ///< a trial is to choose it: those planned are the most
+  bool chosen = false;                 ///< by a trial
   double missed = 0, once_missed = 0;  ///< by those chosen; by light scattered once: of what is seen, worst band
 };
 

@@ -1,4 +1,5 @@
 #include "host/plan/sky_factors.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -73,6 +74,8 @@ void each_lot(std::size_t wavelengths, int threads, const Work& work) {
 }
 
 MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky, int threads) {
+  if (sky == Sky::thermal)  // which makes whole spectra
+    return sample_sky(basis, table, height_m, sky, 0, static_cast<Index>(table.size()));
   MatrixXd radiance(static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
   each_lot(table.size(), threads, [&](Index first, Index count) {
     table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad, sky, static_cast<std::size_t>(first),

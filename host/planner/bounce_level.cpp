@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -100,9 +103,9 @@ bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulat
   plan::BounceReport& report = plan.report.bounces;
   for (double& missing : error) missing = std::round(missing / share * kToldSteps) / kToldSteps * share;
   while (chosen + 1 < kLevels.size() && error[chosen] > share) ++chosen;
-  report = {true, error[chosen], error[0]};
+  report = {false, true, error[chosen], error[0]};
   plan.report.total_error = std::hypot(plan.report.total_error, error[chosen]);
-  const std::size_t words = RC_PADDED(bounces.skeleton.size());
+  plan.report.within_tolerance = plan.report.total_error <= plan.tolerance;
   std::erase_if(plan.notices, [](const std::string& told) { return told.starts_with(plan::kBetweenSurfaces); });
   if (error[chosen] > share)
     plan.notices.push_back(
@@ -112,7 +115,7 @@ bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulat
   plan::plan_bounces(plan, simulation.scene, kLevels[chosen], simulation.sky_directions,
                      bounces.share / std::clamp(error[0] / std::max(bounces.strength, error[0]), kLeastPart, 1.0));
   if (plan.baked) plan.baked = std::make_shared<plan::BakedRows>();  // rows of another skeleton are none of this one's
-  return RC_PADDED(bounces.skeleton.size()) != words;
+  return true;
 }
 
 }  // namespace raycube::planner

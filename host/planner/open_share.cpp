@@ -43,6 +43,7 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   const scene::Instrument few = first_launched(simulation, instrument, plan);
   plan::Plan half = plan;
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
+  half.bounces.levels = 0;
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());
   // Of the first component: without any sky it is the surroundings', whose light is -1.

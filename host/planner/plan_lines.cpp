@@ -188,6 +188,26 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
   lines.push_back(sky);
 }
 
+PlanLine bounces_line(const plan::Plan& plan) {
+  const plan::Bounces& b = plan.bounces;
+  const auto& [open, chosen, missed, once_missed] = plan.report.bounces;
+  std::string why = "the file asks for them; the error is the wavelengths', where surfaces see nothing but each other";
+  if (open) why = "the most that a trial, which takes a device, may choose";
+  if (chosen)
+    why = b.any() ? fmt::format(
+                        "fewest that leave out so little, by a trial; the wavelengths err by {} where surfaces "
+                        "see nothing but each other",
+                        percent_text(b.error))
+                  : "light scattered once is that near, by a trial";
+  return {"between surfaces",
+          b.any() ? fmt::format("{} more", plural(static_cast<std::size_t>(b.levels), "surface")) : "none",
+          chosen ? missed : b.error,
+          chosen && b.any() ? once_missed : -1,
+          b.any() ? fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")) : "none",
+          why,
+          !chosen && !open};
+}
+
 }  // namespace
 
 std::string drawn_text(const Decision& d) {
@@ -236,20 +256,7 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
                                       : "local environment of each pixel",
                    false});
   add_sampling_lines(lines, d, plan);
-  if (const plan::Bounces& b = plan.bounces; b.any() || report.bounces.chosen) {
-    const auto& [chosen, missed, once_missed] = report.bounces;
-    lines.push_back(
-        {"between surfaces",
-         b.any() ? fmt::format("{} more", plural(static_cast<std::size_t>(b.levels), "surface")) : "none",
-         chosen ? missed : b.error, chosen && b.any() ? once_missed : -1,
-         b.any() ? fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")) : "none",
-         !chosen ? "the file asks for them; the error is the wavelengths', where surfaces see nothing but each other"
-         : b.any()
-             ? fmt::format("light by more surfaces, by a trial; the wavelengths err by {} where it is all there is",
-                           percent_text(b.error))
-             : "light scattered once is that near, by a trial",
-         !chosen});
-  }
+  if (plan.bounces.any() || report.bounces.chosen) lines.push_back(bounces_line(plan));
   return lines;
 }
 

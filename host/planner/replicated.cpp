@@ -81,7 +81,8 @@ std::optional<ReplicateSize> next_size(const scene::Instrument& instrument, cons
   const double doubled_s = unless(all > kMostReplicates, all * replicate_s(instrument, plan, size)),
                larger_s = unless(more.samples == size.samples, 2 * kFewest * replicate_s(instrument, plan, more));
   if (std::min(doubled_s, larger_s) == kNever_s) return std::nullopt;
-  if (fits || larger_s == kNever_s) return size;
+  if (fits) return doubled_s < kNever_s ? std::optional(size) : std::nullopt;
+  if (larger_s == kNever_s) return size;
   if (doubled_s == kNever_s) return more;
   const bool sooner =
       (all - count) * whole_s(instrument, plan, size) <= 2 * kFewest * whole_s(instrument, plan, more) + kPrograms_s;

@@ -98,7 +98,7 @@ reference::BouncedReport check_bounced(render::Renderer& renderer, const scene::
   const std::vector<reference::PixelAddress> addresses = addresses_of(renderer, in_full, simulation.seed, tiles);
   report.bands.resize(bands);
   report.pixels = addresses.size(), report.paths = addresses.size() * kBouncedPaths;
-  report.skeleton_error = plan.bounces.error / plan.bounces.strength;
+  if (plan.bounces.strength > 0) report.skeleton_error = plan.bounces.error / plan.bounces.strength;
   add_device(report, added_by_paths(renderer, simulation, in_full, plan, tiles));
   const reference::ReferenceScene scene(simulation.scene);
   const reference::BouncedLight light(scene, plan, plan.bounces.levels);

@@ -10,6 +10,7 @@
 
 #include "host/base/planck.h"
 #include "host/base/units.h"
+#include "host/planner/bounce_level.h"
 #include "host/run/camera_job.h"
 #include "host/render/lidar_owners.h"
 #include "host/render/renderer.h"
@@ -95,7 +96,8 @@ struct LidarBackground::State {
   std::vector<std::size_t> order;  ///< of the camera's bands: the plan's lines
 
   std::vector<float> radiance(const scene::Instrument& camera) {
-    const CameraJob job = prepare_camera(simulation, camera, services);
+    CameraJob job = prepare_camera(simulation, camera, services);
+    planner::choose_bounces(renderer, simulation, camera, job.plan);
     std::vector<float> out;
     renderer.render(camera, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
       out.insert(out.end(), strip.radiance,

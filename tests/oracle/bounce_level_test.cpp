@@ -100,6 +100,19 @@ TEST_CASE("bounces = auto: ground that sees nothing but sky has light scattered 
   CHECK(chosen.plan.report.total_error == chosen.before);
 }
 
+TEST_CASE("bounces = auto: black matter among the scene's is none of its light's") {
+  auto s = corner(true, 0.4);
+  const auto black = test::add_material(s.scene, "black", 0);
+  test::place(s.scene, test::rectangle({1000, 1000, 1}, {1, 0, 0}, {0, 1, 0}, black));
+  finish_top_tree(s.scene);
+  const Chosen chosen = choose(s);
+  CHECK(chosen.plan.bounces.levels == 4);
+  CHECK(chosen.plan.bounces.strength > 0.1);
+  CHECK(chosen.plan.bounces.strength <= 1);
+  CHECK(chosen.plan.bounces.error < 1e-6);
+  CHECK(chosen.plan.notices.empty());
+}
+
 TEST_CASE("bounces = auto: what the file gives stays") {
   auto s = corner(true, 0.01);
   s.bounces = 3, s.bounces_given = true;
