@@ -117,8 +117,9 @@ static inline float rc_lane_sum(float16 v) {
 /* Private arrays that vectors are read from and written to: a vector across two cache lines costs two. */
 #define RC_LINE __attribute__((aligned(64)))
 
+/* Only where all address spaces are one: GPUs hide latency otherwise, and NVIDIA's compiler refuses the cast. */
 static inline void rc_prefetch(global const void* at, uint bytes) {
-#if defined(__has_builtin)
+#if defined(__has_builtin) && (defined(__x86_64__) || defined(__aarch64__))
 #if __has_builtin(__builtin_prefetch) && !defined(RC_NO_PREFETCH) /* oclgrind knows no prefetch */
   for (uint i = 0; i < bytes; i += 64u) __builtin_prefetch((const void*)((uintptr_t)at + i), 0, 3);
 #endif

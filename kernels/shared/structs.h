@@ -14,7 +14,7 @@
 #define RC_PLUME_WIDTHS 6.5f /* a plume ends so many of its widths from the axis; a bell's share beyond is 8e-11 */
 
 #ifdef __OPENCL_C_VERSION__
-#ifdef __clang__
+#if defined(__clang__) && defined(__x86_64__)
 /* Clang tells of every function that takes 16 floats that its ABI is another without AVX-512; none is called from
  * elsewhere. */
 #pragma clang diagnostic ignored "-Wpsabi"
