@@ -7,7 +7,7 @@ namespace raycube::bench {
 
 inline cl::Device pick_device(int threads) {
   cl::Device device = cl::find_device("");
-  if (threads < static_cast<int>(device.info().compute_units))
+  if (device.info().is_cpu && threads < static_cast<int>(device.info().compute_units))
     return device.with_compute_units(static_cast<std::uint32_t>(threads));
   return device;
 }

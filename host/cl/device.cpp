@@ -83,6 +83,8 @@ void Device::query() {
   info_.native_float_width = value_of<cl_uint>(id_, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT);
   info_.fp64 = text_of(id_, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
   info_.is_cpu = (value_of<cl_device_type>(id_, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
+  info_.rounds_on_demand = !info_.is_cpu && (value_of<cl_device_fp_config>(id_, CL_DEVICE_SINGLE_FP_CONFIG) &
+                                             CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
   const auto platform = value_of<cl_platform_id>(id_, CL_DEVICE_PLATFORM);
   std::size_t size = 0;
   check(clGetPlatformInfo(platform, CL_PLATFORM_NAME, 0, nullptr, &size), "clGetPlatformInfo", info_.name);

@@ -20,6 +20,7 @@ struct DeviceInfo {
   std::uint32_t native_float_width = 0;
   bool fp64 = false;
   bool is_cpu = false;
+  bool rounds_on_demand = false;  ///< no CPU, but can round quotients and roots of floats exactly
 };
 
 /// One device, whole or part of one; nobody owns it, parts live as long as the process (device.cpp says why).

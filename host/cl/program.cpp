@@ -15,10 +15,11 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
   const base::Doing doing("building program", name);
   require_room_for_kernels();
   const DeviceInfo& on = context.device().info();
+  const std::string asked = options + (on.rounds_on_demand ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
   std::string key;
   for (const std::string_view part :
        {std::string_view(on.platform), std::string_view(on.name), std::string_view(on.version),
-        std::string_view(on.driver), std::string_view(options), source})
+        std::string_view(on.driver), std::string_view(asked), source})
     (key += part) += '\0';
   kept_ = std::make_unique<KeptKernels>(key);
   const DriverWork work;
@@ -27,7 +28,7 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
   const std::size_t length = source.size();
   program_ = Handle<cl_program, clReleaseProgram>(clCreateProgramWithSource(context(), 1, &text, &length, &status));
   check(status, "clCreateProgramWithSource of '" + name + "'", device_name_);
-  status = clBuildProgram(program_(), 1, &device_, options.c_str(), nullptr, nullptr);
+  status = clBuildProgram(program_(), 1, &device_, asked.c_str(), nullptr, nullptr);
   std::size_t size = 0;
   if (clGetProgramBuildInfo(program_(), device_, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) == CL_SUCCESS && size > 1) {
     log_.resize(size);
@@ -38,7 +39,7 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
   if (status != CL_SUCCESS)
     throw base::Error(base::Fault::device, "OpenCL: clBuildProgram of '" + name + "' failed with " +
                                                status_name(status) + " on device '" + device_name_ + "', options '" +
-                                               options + "':\n" + log_);
+                                               asked + "':\n" + log_);
   kept_->built();
 }
 

@@ -13,10 +13,10 @@ namespace raycube::cl {
 
 class Program {
  public:
-  /// Builds `source` with `options` (language version and exact-arithmetic options are not added here). A failed build
-  /// throws Error(device) with name, device, options and the log, whose lines name the kernel files. Kernels that an
-  /// earlier run compiled of the same come from the cache (kernel_cache.h); throws Error(environment) when that has no
-  /// room.
+  /// Builds `source` with `options`, and with exactly rounded quotients and roots on devices other than CPUs, which
+  /// must be asked for them: rays are then those of the host. A failed build throws Error(device) with name, device,
+  /// options and the log, whose lines name the kernel files. Kernels that an earlier run compiled of the same come from
+  /// the cache (kernel_cache.h); throws Error(environment) when that has no room.
   Program(const Context& context, const std::string& name, std::string_view source, const std::string& options);
   const std::string& name() const { return name_; }
   const std::string& options() const { return options_; }

@@ -94,7 +94,7 @@ std::string tuning_json(const DeviceTuning& tuning) {
 cl::Device pick_device(const RenderOptions& options) {
   cl::Device device = cl::find_device(options.device);
   const auto units = static_cast<int>(device.info().compute_units);
-  if (options.threads > 0 && options.threads < units)
+  if (device.info().is_cpu && options.threads > 0 && options.threads < units)
     return device.with_compute_units(static_cast<std::uint32_t>(options.threads));
   return device;
 }

@@ -49,7 +49,7 @@ void keep_tuning(const cl::DeviceInfo& device, const DeviceTuning& tuning, base:
 /// Member "launches" of run.json, as JSON text.
 std::string tuning_json(const DeviceTuning& tuning);
 
-/// The device that the options ask for, with as many threads. Throws as cl::find_device.
+/// The device that the options ask for; of a CPU, as many threads. Throws as cl::find_device.
 cl::Device pick_device(const RenderOptions& options);
 
 /// The options' own sizes, else what was kept if they say so, else the defaults.

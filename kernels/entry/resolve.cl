@@ -21,8 +21,10 @@ inline uint baked_row(__global const ulong* baked_keys, __global const uint* bak
   return baked_rows[lo];
 }
 
-/* Linear weight of node i when a value lies a fraction f past node k. */
-inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
+/* Of the two nodes that a value lies between, at a fraction f: the weight of the first (step 0) and of the next. Loops
+ * go over these two alone: over all nodes of an axis, most with a weight of 0, NVIDIA's compiler (driver 580) unrolled
+ * them wrongly, and path radiance was off by tenths where a plan had two heights and two views. */
+inline float weight_of(int step, float f) { return step == 0 ? 1.0f - f : f; }
 
 RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   const uint item = first_item + index;
@@ -55,11 +57,11 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   const uint path_base = baked_row(baked_keys, baked_rows, baked_count, 0ul) * RC_CHANNELS;
   for (int h = 0; h < RC_HEIGHTS; ++h) {
     const float sum = rc_sum_of(path, RC_HEIGHTS, h);
-    for (int y = 0; y < RC_PATH_Y; ++y)
-      for (int x = 0; x < RC_PATH_X; ++x) {
-        const float w = sum * (weight_of(x, ix, fx) * weight_of(y, iy, fy));
+    for (int y = 0; y < min(2, RC_PATH_Y); ++y)
+      for (int x = 0; x < min(2, RC_PATH_X); ++x) {
+        const float w = sum * (weight_of(x, fx) * weight_of(y, fy));
         if (w == 0.0f) continue;
-        rows[n] = path_base + (uint)((h * RC_PATH_Y + y) * RC_PATH_X + x);
+        rows[n] = path_base + (uint)((h * RC_PATH_Y + iy + y) * RC_PATH_X + ix + x);
         weights[n++] = w;
       }
   }
@@ -72,10 +74,10 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
     const uint base = environment_row[item * RC_ENVIRONMENT_NODES + node] * RC_CHANNELS;
     for (int h = 0; h < RC_HEIGHTS; ++h) {
       const float sum = rc_sum_of(path, RC_HEIGHTS, h);
-      for (int v = 0; v < RC_VIEWS; ++v) {
-        const float w = sum * (share * weight_of(v, iv, fv));
+      for (int v = 0; v < min(2, RC_VIEWS); ++v) {
+        const float w = sum * (share * weight_of(v, fv));
         if (w == 0.0f) continue;
-        rows[n] = base + (uint)(h * RC_VIEWS + v);
+        rows[n] = base + (uint)(h * RC_VIEWS + iv + v);
         weights[n++] = w;
       }
     }
@@ -96,10 +98,10 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
     const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;
     for (int i = 0; i < RC_SOURCES * RC_HEIGHTS; ++i) {
       const float sum = rc_sum_of(row, RC_ACCUMULATORS, i);
-      for (int v = 0; v < RC_VIEWS; ++v) {
-        const float w = sum * weight_of(v, iv, fv);
+      for (int v = 0; v < min(2, RC_VIEWS); ++v) {
+        const float w = sum * weight_of(v, fv);
         if (w == 0.0f) continue;
-        rows[n] = base + (uint)(i * RC_VIEWS + v);
+        rows[n] = base + (uint)(i * RC_VIEWS + iv + v);
         weights[n++] = w;
       }
     }
@@ -112,10 +114,10 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
     if (glow_part < RC_PATH_PARTS)
       sum = fma(glow_spread, fma(glow_scale, glow[RC_GLOW_AT(pixel, glow_part) + m], -sum), sum);
     for (uint h = 0; h < RC_HEIGHTS; ++h)
-      for (int v = 0; v < RC_VIEWS; ++v) {
-        const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, iv, fv));
+      for (int v = 0; v < min(2, RC_VIEWS); ++v) {
+        const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, fv));
         if (w == 0.0f) continue;
-        rows[n] = (skeleton_row + m) * RC_CHANNELS + h * RC_VIEWS + (uint)v;
+        rows[n] = (skeleton_row + m) * RC_CHANNELS + h * RC_VIEWS + (uint)(iv + v);
         weights[n++] = w;
       }
   }
