@@ -1,12 +1,14 @@
 #include "host/plan/bounces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "host/plan/curve.h"
+#include "host/plan/irradiance_map.h"
 #include "kernels/sampling/sampler.h"
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
@@ -324,6 +326,27 @@ void sample_shares(Bounces& out, const Parts& parts) {
       out.source_share[s * padded + m] = static_cast<float>(parts.all[parts.curves + s][out.skeleton[m]]);
 }
 
+/// The ground around, under sun and sky as if it were open.
+void find_ground(Bounces& out, const Plan& plan, const Parts& parts) {
+  out.ground.assign(RC_PADDED(out.skeleton.size()), 0.0f);
+  if (plan.environment.empty()) return;
+  const std::array<double, 4> sky =
+      plan.sky_components > 0 ? read_map(plan.irradiance, 0, 0, 1) : std::array<double, 4>{};
+  const auto sun_sources = static_cast<std::size_t>(plan.sun_sources);
+  for (std::size_t m = 0; m < out.skeleton.size(); ++m) {
+    const std::size_t i = out.skeleton[m];
+    double reflectance = 0, light = 0;
+    for (std::size_t material = 0; material < plan.environment.mean.size(); ++material)
+      if (plan.environment.mean[material] > 0)
+        reflectance += plan.environment.mean[material] * plan.environment.reflectance[material][i];
+    for (std::size_t s = 0; s < parts.shares(); ++s) {
+      const double sun = plan.sun_up ? std::max(0.0, static_cast<double>(plan.sun_direction[2])) : 0;
+      light += (s < sun_sources ? sun : sky[s - sun_sources]) * parts.all[parts.curves + s][i];
+    }
+    out.ground[m] = static_cast<float>(reflectance * light);
+  }
+}
+
 /// Curves at the skeleton's wavelengths, [curve - 1][padded]; of materials that no triangle carries, zero.
 void sample_skeleton(Bounces& out, const Plan& plan, const scene::CompiledScene& scene) {
   const std::size_t padded = RC_PADDED(out.skeleton.size());
@@ -404,6 +427,7 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
         kBetweenSurfaces, plan.bounces.skeleton.size(), 100 * plan.bounces.error, 100 * share, plan.bounces.amplified));
   if (plan.sky.rays == 0) plan.sky.rays = paths;
   sample_shares(plan.bounces, parts);
+  find_ground(plan.bounces, plan, parts);
   sample_skeleton(plan.bounces, plan, scene);
   find_scattering(plan.bounces, scene);
 }

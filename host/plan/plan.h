@@ -156,7 +156,11 @@ struct Bounces {
   /// Light of the sun and its sky together, [h * view.count + v][grid]: the sun's by the cosine of its zenith angle
   /// (0.05 at least) and the first component's, what level ground gets of both. A path's gain is told per unit of it.
   std::vector<std::vector<double>> together;
-  std::vector<float> source_share;            ///< [sun, the sun's sky's components][skeleton, padded]: of that
+  std::vector<float> source_share;  ///< [sun, the sun's sky's components][skeleton, padded]: of that
+  /// Level ground around the scene, of its mean reflectance, as paths meet it that leave the scene downwards: pi times
+  /// its radiance per unit of the light together, [skeleton, padded]. 0 where the plan has no light between ground and
+  /// air, because none is asked for or it is too faint beside thermal light: then nothing is known of that ground.
+  std::vector<float> ground;
   std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T
 
   bool any() const { return !skeleton.empty(); }

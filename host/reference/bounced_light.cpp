@@ -1,5 +1,6 @@
 #include "host/reference/bounced_light.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +16,7 @@ namespace raycube::reference {
 namespace {
 
 constexpr std::uint32_t kFirstDraw = 1000;  ///< of rc_hash; the device's dimensions end far below
+constexpr int kOpenSteps = 256;             ///< of an open sky's integral, each way
 
 /// Unit vector by the cosine about a normal, for u and v uniform in [0, 1).
 glm::dvec3 by_cosine(const glm::dvec3& normal, double u, double v) {
@@ -50,7 +52,21 @@ struct BouncedLight::Walk {
 };
 
 BouncedLight::BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, int levels)
-    : scene_(scene), plan_(plan), levels_(levels), curve_(curves_on(scene.compiled, plan.wavelength_um)) {}
+    : scene_(scene), plan_(plan), levels_(levels), curve_(curves_on(scene.compiled, plan.wavelength_um)) {
+  if (plan.environment.empty()) return;
+  ground_.assign(plan.wavelength_um.size(), 0.0);
+  for (std::size_t m = 0; m < plan.environment.mean.size(); ++m) {
+    const Spectrum& reflectance = curve_[scene::reflectance_curve(scene.compiled, m) - 1];
+    for (std::size_t i = 0; plan.environment.mean[m] > 0 && i < ground_.size(); ++i)
+      ground_[i] += plan.environment.mean[m] * reflectance[i];
+  }
+  for (int a = 0; a < kOpenSteps; ++a)
+    for (int b = 0; b < kOpenSteps; ++b) {
+      const auto light = sky_light(plan, by_cosine({0, 0, 1}, (a + 0.5) / kOpenSteps, (b + 0.5) / kOpenSteps));
+      for (std::size_t c = 0; c < static_cast<std::size_t>(plan.sky_components); ++c)
+        open_[c] += std::numbers::pi * light[c] / (kOpenSteps * kOpenSteps);
+    }
+}
 
 BouncedLight::Spectrum BouncedLight::scattered(const Sample& side) const {
   Spectrum out(plan_.wavelength_um.size(), 0.0);
@@ -78,6 +94,14 @@ void BouncedLight::add_sky(const glm::dvec3& way, Walk& walk) const {
   const Spectrum one(walk.carried.size(), 1.0);
   for (std::size_t c = 0; c < static_cast<std::size_t>(plan_.sky_components); ++c)
     walk.add(static_cast<std::size_t>(plan_.sun_sources) + c, std::numbers::pi * light[c], one);
+}
+
+void BouncedLight::add_ground(Walk& walk) const {
+  if (ground_.empty() || !(walk.from.point.z > static_cast<double>(scene_.compiled.lo[2]))) return;
+  const double sun = plan_.sun_up ? std::max(0.0, static_cast<double>(plan_.sun_direction[2])) : 0;
+  if (plan_.sun_sources > 0) walk.add(0, sun, ground_);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(plan_.sky_components); ++c)
+    walk.add(static_cast<std::size_t>(plan_.sun_sources) + c, open_[c], ground_);
 }
 
 bool BouncedLight::turn(const SampledPixel& at, Walk& walk) const {
@@ -136,7 +160,10 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
     }
     const Hit hit = scene_.meets(walk.from, walk.way);
     if (hit.miss()) {
-      if (level > 0) add_sky(walk.way, walk);  // else it is light scattered once
+      if (!(walk.way.z > 0))
+        add_ground(walk);
+      else if (level > 0)
+        add_sky(walk.way, walk);  // else it is light scattered once
       break;
     }
     at = stand(walk, hit);

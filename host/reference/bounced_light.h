@@ -26,6 +26,8 @@ class BouncedLight {
   Spectrum scattered(const Sample& side) const;
   void add_sun(const SampledPixel& at, Walk& walk) const;
   void add_sky(const glm::dvec3& way, Walk& walk) const;
+  /// Open level ground around the scene, of its mean reflectance: where a path ends that leaves the scene downwards.
+  void add_ground(Walk& walk) const;
   /// Chooses side and direction in which the path goes on; false: it does not.
   bool turn(const SampledPixel& at, Walk& walk) const;
   /// Both sides of the surface that a path's ray met, lit or not by the sun, as of a pixel with one sample.
@@ -36,7 +38,9 @@ class BouncedLight {
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   int levels_;
-  std::vector<Spectrum> curve_;  ///< [curve - 1], curves_on
+  std::vector<Spectrum> curve_;   ///< [curve - 1], curves_on
+  Spectrum ground_;               ///< reflectance around; empty where light between ground and air is off
+  std::array<double, 4> open_{};  ///< irradiance of level ground by each component, per unit of its spectrum
 };
 
 }  // namespace raycube::reference

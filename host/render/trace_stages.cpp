@@ -57,6 +57,7 @@ struct PathStage {
         scattering(context, plan.bounces.scattering, cl::Access::read_only, "scattering of surfaces"),
         curve(context, plan.bounces.curve, cl::Access::read_only, "curves of the skeleton"),
         share(context, plan.bounces.source_share, cl::Access::read_only, "sources of the skeleton"),
+        ground(context, plan.bounces.ground, cl::Access::read_only, "ground around a scene"),
         weight(context, shape.tile().near, cl::Access::read_only, "sample weights"),
         weights(std::move(weights_)) {}
 
@@ -72,7 +73,7 @@ struct PathStage {
 
   cl::Kernel kernel;
   cl::Buffer<shared::rc_float4> scattering;
-  cl::Buffer<float> curve, share, weight;
+  cl::Buffer<float> curve, share, ground, weight;
   std::optional<sensors::SampleWeights> weights;
   int loaded_chunk = -1;
 };
@@ -97,6 +98,7 @@ struct TraceStages::State {
         plan(plan_),
         shape(shape_),
         seed(static_cast<std::uint32_t>(seed_)),
+        lowest(static_cast<float>(scene.lo[2])),
         options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
         identity(identity_of(options)),
         surfaces_identity(
@@ -199,6 +201,8 @@ struct TraceStages::State {
                              .scattering = paths->scattering,
                              .skeleton_curve = paths->curve,
                              .source_share = paths->share,
+                             .ground_around = paths->ground,
+                             .lowest = lowest,
                              .groups = traced.groups,
                              .hits = traced.hits,
                              .surface = traced.surface,
@@ -229,6 +233,7 @@ struct TraceStages::State {
   const plan::Plan& plan;
   StageShape shape;
   std::uint32_t seed, sky_draw = 0;
+  float lowest;  ///< z of the scene, m
   std::string options, identity, surfaces_identity;
   std::shared_ptr<const cl::Program> program;
   cl::Kernel primary, surface, sun, sky;

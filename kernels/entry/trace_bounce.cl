@@ -54,8 +54,10 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
       scattering,
       skeleton_curve,
       source_share,
+      ground_around,
       {sky_map, sky_zenith, sky_azimuth, zeniths, azimuths, thermal_map, thermal_zenith, thermal_zeniths, sun_azimuth},
       sun_direction,
+      lowest,
       sun_up,
       levels,
       seed};

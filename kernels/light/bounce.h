@@ -21,8 +21,10 @@ typedef struct PathTables {
   global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
   global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
   global const float* source_share;   /* [sun, solar components][RC_SKELETON]: a source's light over that of all */
+  global const float* ground_around;  /* [RC_SKELETON]: pi times its radiance over the light of all */
   SkyMap sky;
-  float4 sun; /* direction to it */
+  float4 sun;   /* direction to it */
+  float lowest; /* z of the scene, m */
   uint sun_up, levels, seed;
 } PathTables;
 
@@ -169,6 +171,14 @@ static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
 #endif
 }
 
+/* Ground around the scene that a path's ray meets: the surface after the last one, and the path's end. It lies as low
+ * as the scene does, so that light below a lawn comes from nowhere. */
+static inline void rc_gain_ground(const PathTables* t, uint k, Paths16* paths) {
+  if (!(paths->rays.z[k] > t->lowest)) return;
+  for (uint m = 0; m < RC_SKELETON; ++m)
+    paths->gained[k][m] = fma(t->ground_around[m], paths->carried[k][m], paths->gained[k][m]);
+}
+
 /* From their ends the live paths go on: by one side, chosen by chance, in a direction by the cosine about it. From the
  * third surface on a path may end, the likelier the less it can carry. Returns those that go on. */
 __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTables* t, uint live, uint level,
@@ -212,7 +222,10 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
       ends.instance[k] = hit.instance, ends.primitive[k] = hit.primitive;
       if (hit.instance != RC_NONE) continue;
       live &= ~(1u << k);
-      if (level > 1u) rc_gain_sky(t, k, paths); /* else it is light scattered once */
+      if (!(paths->rays.dz[k] > 0.0f))
+        rc_gain_ground(t, k, paths);
+      else if (level > 1u)
+        rc_gain_sky(t, k, paths); /* else it is light scattered once */
     }
     if (!live) return;
     rc_stand(scene, t, &paths->rays, live, &ends);

@@ -89,6 +89,8 @@
   READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T */ \
   READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
   READ(rc_float, source_share) NEXT() /* [sun, solar components][RC_SKELETON]: a source's light over that of all */ \
+  READ(rc_float, ground_around) NEXT() /* [RC_SKELETON]: pi times its radiance over the light of all */ \
+  VALUE(rc_float, lowest) NEXT()      /* z of the scene, m: from below nothing sees the ground around */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "atmos_tables/synthetic.h"
+#include "host/plan/irradiance_map.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
 
@@ -227,6 +228,78 @@ TEST_CASE("S16 bounces: in a hollow sphere every point is lit alike by what was 
       check_mean(mean_of(image, static_cast<int>(b)), rho * sum / kPi, 1e-3);
     }
   }
+}
+
+TEST_CASE("S16 bounces: a steep roof over ground that the scene does not hold sees the ground around") {
+  // Of a plane tilted by b a hemisphere's share (1 - cos b) / 2 lies below the horizon: level ground under sun and sky,
+  // whether a triangle of the scene is met there or the ground around. Without light between ground and air that is
+  // black, and the triangles alone count.
+  constexpr double kTilt = 60 * kPi / 180, kHigh_m = 100, kHalf_m = 150;
+  scene::Simulation simulation;
+  const auto ground = test::add_material(simulation.scene, "ground", 0.4),
+             roof = test::add_material(simulation.scene, "roof", 0.5);
+  simulation.scene.materials[0].reflectance = wavy(0.4, 0.25, 9);
+  simulation.scene.materials[1].reflectance = wavy(0.5, 0.2, 14);
+  test::place(simulation.scene,
+              test::rectangle({-kHalf_m, -kHalf_m, 0}, {2 * kHalf_m, 0, 0}, {0, 2 * kHalf_m, 0}, ground));
+  test::place(simulation.scene, test::rectangle({-2, -4, kHigh_m}, {4, 0, 4 * std::tan(kTilt)}, {0, 8, 0}, roof));
+  finish_top_tree(simulation.scene);
+  simulation.sky_directions = 1024;
+  simulation.plan.height_nodes = simulation.plan.view_nodes = 1;
+  simulation.tolerance = 0.5;  // one node of each is asked for, whatever it errs
+  auto camera = test::nadir_camera(12, 12, 500, 0.25);
+  camera.bands = narrow();
+  camera.samples_u = camera.samples_v = 2;
+  simulation.instruments = {camera};
+  simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 200;
+  atmos::UniformAir air;
+  air.solar_irradiance = [](double) { return kSunIrradiance; };
+  air.sky_radiance = [](double) { return kSkyRadiance; };
+  air.sun_zenith_deg = 40, air.sun_azimuth_deg = 200;
+  auto table = atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005));
+  test::add_ground_coupling(table);
+  const auto between = [&](scene::Adjacency adjacency) {
+    simulation.atmosphere.adjacency = adjacency;
+    simulation.bounces = 0;
+    const auto once = test::render_image(simulation, table);
+    simulation.bounces = 1;
+    auto image = test::render_image(simulation, table);
+    for (std::size_t i = 0; i < image.radiance.size(); ++i) image.radiance[i] -= once.radiance[i];
+    return image;
+  };
+  // The field's part of the hemisphere, from the roof's middle, by the cosine.
+  const double high = kHigh_m + 2 * std::tan(kTilt), s = std::sin(kTilt), c = std::cos(kTilt);
+  constexpr int kSteps = 600;
+  double field = 0;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const double r = std::sqrt((i + 0.5) / kSteps), up = std::sqrt(1 - r * r), turn = 2 * kPi * (j + 0.5) / kSteps;
+      const double x = r * std::cos(turn) * c - up * s, y = r * std::sin(turn), z = r * std::cos(turn) * s + up * c;
+      if (z < 0 && std::abs(x / z * high) < kHalf_m && std::abs(y / z * high) < kHalf_m)
+        field += 1.0 / (kSteps * kSteps);
+    }
+  const auto check_share = [&](scene::Adjacency adjacency, double share, double unlike) {
+    const auto image = between(adjacency);
+    const plan::Plan& plan = image.plan;
+    REQUIRE(plan.height.count * plan.view.count == 1);
+    const auto open = plan::read_map(plan.irradiance, 0, 0, 1);
+    for (std::size_t b = 0; b < kCentres.size(); ++b) {
+      const auto& band = plan.bands[b];
+      double want = 0;
+      for (std::size_t i = 0; i < band.weight.size(); ++i) {
+        const double l = plan.wavelength_um[band.first + i];
+        double light = std::cos(40 * kPi / 180) * plan.source_spectrum[0][band.first + i];
+        for (std::size_t n = 0; n < static_cast<std::size_t>(plan.sky_components); ++n)
+          light += open[n] * plan.source_spectrum[1 + n][band.first + i];
+        want += band.weight[i] * at(simulation.scene.materials[0].reflectance, l) *
+                at(simulation.scene.materials[1].reflectance, l) * share * light;
+      }
+      CAPTURE(kCentres[b]);
+      check_mean(mean_of(image, static_cast<int>(b)), want, unlike);
+    }
+  };
+  check_share(scene::Adjacency::local, (1 - c) / 2, 2e-3);  // the roof's own share of the mean ground is 4e-4
+  check_share(scene::Adjacency::off, field, 1e-2);          // of the roof's middle for all of it, 3 % in height
 }
 
 TEST_CASE("S43 bounces: standard errors know of the paths") {
