@@ -58,6 +58,13 @@ void BandTable::write_baked() {
   baked_.clear();
 }
 
+std::vector<std::uint64_t> BandTable::keys_by_row() const {
+  std::vector<std::uint64_t> keys(capacity_ + plan_.bounces.skeleton.size(), 0);
+  for (const auto& [key, slot] : slots_) keys[slot.row] = key;
+  for (std::size_t m = 0; m < plan_.bounces.skeleton.size(); ++m) keys[capacity_ + m] = plan::kSkeletonKey | m;
+  return keys;
+}
+
 void BandTable::ensure(const std::vector<std::uint64_t>& keys) {
   if (keys.size() + 1 > capacity_)
     throw base::Error(base::Fault::bug, "band table: " + std::to_string(keys.size()) + " keys asked of " +

@@ -31,6 +31,8 @@ class BandTable {
   void ensure(const std::vector<std::uint64_t>& keys);
   /// Row of a key that is in the table.
   std::uint32_t row_of(std::uint64_t key) const { return slots_.at(key).row; }
+  /// Keys of what lies in the rows now, the skeleton's included; 0 also of a row that holds nothing.
+  std::vector<std::uint64_t> keys_by_row() const;
 
   const cl::Buffer<float>& values() const { return values_; }
   const cl::Buffer<std::uint64_t>& keys() const { return keys_; }

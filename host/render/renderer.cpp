@@ -353,6 +353,25 @@ RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan
   return passes.statistics();
 }
 
+Renderer::PixelParts Renderer::parts_of(const scene::Instrument& instrument, const plan::Plan& plan,
+                                        const scene::Sun& sun, std::uint64_t seed, int line, int sample) {
+  const base::Doing doing("rendering a pixel of instrument", instrument.name);
+  const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
+  const int width = setup.shape.pixels_per_group, column = sample / width * width;
+  const Tile tile{line, 1, column, std::min(width, instrument.pixels - column)};
+  TilePasses passes(setup, 1, tile.columns, state_->row_capacity(setup.shape),
+                    state_->options.memory_bytes / kBudgetShares);
+  const std::size_t layers = truth_layer_names(state_->scene).size(), bands = setup.shape.bands,
+                    at = static_cast<std::size_t>(sample - column);
+  std::vector<float> radiance(tile.pixels() * bands), truth(tile.pixels() * layers);
+  std::vector<PixelTerms> terms(tile.pixels());
+  passes.run(tile, {radiance.data(), truth.data(), layers, nullptr, terms.data()});
+  PixelParts out;
+  out.radiance.assign(radiance.data() + at * bands, radiance.data() + (at + 1) * bands);
+  out.terms = std::move(terms[at]);
+  return out;
+}
+
 void Renderer::probe_together(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                               std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
   if (instrument.adaptive() || instrument.small_objects == scene::SmallObjects::on || instrument.replicates > 1) {

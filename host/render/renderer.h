@@ -53,6 +53,14 @@ class Renderer {
   RenderStatistics probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                          std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
 
+  /// What one pixel of the image is made of, as render makes it: its radiances and their terms.
+  struct PixelParts {
+    std::vector<float> radiance;  ///< [band], the bits that render writes
+    PixelTerms terms;
+  };
+  PixelParts parts_of(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                      std::uint64_t seed, int line, int sample);
+
   /// The same in few launches, for many small tiles: they are put together as long as they take little memory, and each
   /// is handed on by itself, bit for bit as probe does. Of adaptive samples, small objects and replicates it is probe.
   void probe_together(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,

@@ -35,7 +35,7 @@ void TileWorker::write_environment(std::span<const std::array<plan::EnvironmentW
 }
 
 void TileWorker::add_environment(std::uint32_t pixel, const float* truth_sums, const std::vector<double>& path,
-                                 std::vector<double>& radiance) const {
+                                 std::vector<double>& radiance, PixelTerms* terms) const {
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
   const auto [view, fraction] = view_nodes(pixel);
@@ -46,6 +46,9 @@ void TileWorker::add_environment(std::uint32_t pixel, const float* truth_sums, c
       for (int v = view; v < std::min(view + 2, shape.views); ++v) {
         const double weight =
             path[static_cast<std::size_t>(h)] * node.weight * (v == view ? 1.0 - double{fraction} : double{fraction});
+        if (terms)
+          terms->push_back(
+              {plan::kEnvironmentKey | node.node, static_cast<std::uint32_t>(h * shape.views + v), weight});
         const float* e = baked.data() + static_cast<std::size_t>(h * shape.views + v) * shape.bands_padded;
         for (std::size_t b = 0; b < radiance.size(); ++b) radiance[b] += weight * e[b];
       }

@@ -7,7 +7,8 @@
 
 namespace raycube::render {
 
-void TileWorker::add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance) const {
+void TileWorker::add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance,
+                          PixelTerms* terms) const {
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
   const auto [view, fraction] = view_nodes(pixel);
@@ -22,6 +23,7 @@ void TileWorker::add_glow(std::uint32_t pixel, const std::vector<double>& path, 
         const double weight =
             sum[m] * path[static_cast<std::size_t>(h)] * (v == view ? 1.0 - double{fraction} : double{fraction});
         const auto channel = static_cast<std::size_t>(h * shape.views + v);
+        if (terms) terms->push_back({plan::kSkeletonKey | m, static_cast<std::uint32_t>(channel), weight});
         const float* e = baked.data() + channel * static_cast<std::size_t>(shape.bands_padded);
         for (std::size_t b = 0; b < radiance.size(); ++b) radiance[b] += weight * double{e[b]};
       }

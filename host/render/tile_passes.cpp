@@ -202,12 +202,17 @@ void TilePasses::run_groups(TileWorker& worker, const Tile& tile, const std::vec
   const TileRays rays = listed_rays(groups, setup_.shape.pixels_per_group);
   std::vector<float> radiance(rays.pixels() * bands), truth(rays.pixels() * out.layers),
       error(out.band_error ? rays.pixels() * bands : 0);
-  run_pass(worker, rays, {radiance.data(), truth.data(), out.layers, out.band_error ? error.data() : nullptr}, nullptr);
+  std::vector<PixelTerms> terms(out.terms ? rays.pixels() : 0);
+  run_pass(worker, rays,
+           {radiance.data(), truth.data(), out.layers, out.band_error ? error.data() : nullptr,
+            out.terms ? terms.data() : nullptr},
+           nullptr);
   for (std::size_t g = 0; g < first_pixel.size(); ++g) {
     const std::size_t from = g * width, to = first_pixel[g], used = std::min(width, columns - to % columns);
     std::copy_n(radiance.data() + from * bands, used * bands, out.radiance + to * bands);
     std::copy_n(truth.data() + from * out.layers, used * out.layers, out.truth + to * out.layers);
     if (out.band_error) std::copy_n(error.data() + from * bands, used * bands, out.band_error + to * bands);
+    if (out.terms) std::move(terms.data() + from, terms.data() + from + used, out.terms + to);
   }
 }
 
@@ -309,12 +314,17 @@ void TilePasses::run_replicate(int replicate, const Tile& tile, const TileOutput
 void TilePasses::run_replicates(const Tile& tile, const TileOutput& out) {
   const std::size_t pixels = tile.pixels();
   ReplicateSums sums(pixels, setup_.shape.bands, setup_.scene.materials.size());
+  std::vector<PixelTerms> terms(out.terms ? pixels : 0);
   for (int replicate = 0; replicate < setup_.instrument.replicates; ++replicate) {
     base::throw_if_interrupted();
     run_replicate(replicate, tile, out);
+    for (std::size_t p = 0; p < terms.size(); ++p)
+      for (const Term& term : out.terms[p])
+        terms[p].push_back({term.key, term.channel, term.weight / setup_.instrument.replicates});
     sums.add(0, pixels, out.radiance, out.truth, out.layers);
     sums.next();
   }
+  std::move(terms.begin(), terms.end(), out.terms);
   spread_.add(sums.spread());
   sums.mean(0, pixels, out.radiance, out.truth, out.layers);
 }

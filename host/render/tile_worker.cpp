@@ -293,6 +293,7 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
     if (item_count) {
       timed("resolve", [&] { row_stages_.resolve(first_item, item_count, selection, layout_, traced_, table_, rows); });
       timed("integrate", [&] { row_stages_.integrate(first_item, item_count, selection, table_, rows, radiance_); });
+      if (out.terms) file_terms(first, item_count, pixels, rows, out.terms);
     }
     first = range_ends[r];
   }
@@ -329,10 +330,11 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
   struct Sum {
     std::vector<double> radiance, abundance, path;
     double truth[RC_TRUTH_SUMS] = {};
+    PixelTerms terms;
   };
   std::vector<Sum> results(
       flagged.size(),
-      {std::vector<double>(bands), std::vector<double>(materials), std::vector<double>(shape.heights), {}});
+      {std::vector<double>(bands), std::vector<double>(materials), std::vector<double>(shape.heights), {}, {}});
   const std::vector<float> path_row = plan::bake_row(plan, setup_.scene, 0);
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
     if (shape.chunked()) trace_stages_.run(layout_, chunk, traced_, statistics_.stage_s);
@@ -348,8 +350,9 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
                       &fx);
       rc_node_weights(static_cast<float>(-d[1] / length), plan.path_y.first, plan.path_y.step, plan.path_y.count, &iy,
                       &fy);
-      const auto add = [&](const std::vector<float>& baked, int channel, double weight) {
+      const auto add = [&](std::uint64_t key, const std::vector<float>& baked, int channel, double weight) {
         if (weight == 0) return;
+        if (out.terms) results[f].terms.push_back({key, static_cast<std::uint32_t>(channel), weight});
         const float* e = baked.data() + static_cast<std::size_t>(channel) * shape.bands_padded;
         for (std::size_t b = 0; b < bands; ++b) results[f].radiance[b] += weight * e[b];
       };
@@ -360,7 +363,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
         for (int h = 0; h < shape.heights; ++h)
           for (int y = 0; y < shape.path_y; ++y)
             for (int x = 0; x < shape.path_x; ++x)
-              add(path_row, (h * shape.path_y + y) * shape.path_x + x,
+              add(0, path_row, (h * shape.path_y + y) * shape.path_x + x,
                   total(path.data(), shape.heights, shape.chunked(), h) * weight_of(x, ix, fx) * weight_of(y, iy, fy));
         const auto truth = rows.truth.read_all();
         for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
@@ -376,7 +379,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
           const auto baked = plan::bake_row(plan, setup_.scene, keys[k]);
           for (int i = 0; i < shape.accumulators() - 1; ++i)
             for (int v = 0; v < shape.views; ++v)
-              add(baked, i * shape.views + v,
+              add(keys[k], baked, i * shape.views + v,
                   total(row, shape.accumulators(), shape.chunked(), i) * weight_of(v, iv, fv));
           results[f].abundance[material_of_key(keys[k])] +=
               total(row, shape.accumulators(), shape.chunked(), shape.accumulators() - 1);
@@ -388,10 +391,12 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
     float sums[RC_TRUTH_SUMS];
     std::copy(std::begin(results[f].truth), std::end(results[f].truth), sums);
     const std::vector<float> abundance(results[f].abundance.begin(), results[f].abundance.end());
-    if (shape.environment) add_environment(flagged[f], sums, results[f].path, results[f].radiance);
-    if (shape.bounces) add_glow(flagged[f], results[f].path, results[f].radiance);
+    PixelTerms* terms = out.terms ? &results[f].terms : nullptr;
+    if (shape.environment) add_environment(flagged[f], sums, results[f].path, results[f].radiance, terms);
+    if (shape.bounces) add_glow(flagged[f], results[f].path, results[f].radiance, terms);
     write_truth(flagged[f], sums, abundance.data(), out);
     host_radiance_.emplace_back(flagged[f], std::move(results[f].radiance));
+    if (out.terms) out.terms[flagged[f]] = std::move(results[f].terms);
   }
 }
 

@@ -33,6 +33,7 @@ struct TileOutput {
   std::size_t layers = 0;
   float* band_error =
       nullptr;  ///< [pixel][band], standard error of the radiance (standard_error.h); NaN: not known. Or not wanted
+  PixelTerms* terms = nullptr;  ///< [pixel], what the radiance is the sum of, in its order. Or not wanted
 };
 
 /// Files the hits of one chunk of the tile's samples in the probe.
@@ -69,13 +70,17 @@ class TileWorker {
   /// Rows of the band table and weights of the items' environment; every node of theirs is in the table.
   void write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item,
                          RowBuffers& rows);
-  /// The same for a pixel summed on the host; path: its weights at the height nodes.
+  /// The same for a pixel summed on the host; path: its weights at the height nodes. Terms: null, or where they go too.
   void add_environment(std::uint32_t pixel, const float* truth_sums, const std::vector<double>& path,
-                       std::vector<double>& radiance) const;
+                       std::vector<double>& radiance, PixelTerms* terms) const;
   /// The lower of the plan's two view nodes around a pixel's centre ray, and the other's weight.
   std::pair<int, float> view_nodes(std::uint32_t pixel) const;
   /// Light between surfaces of such a pixel.
-  void add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance) const;
+  void add_glow(std::uint32_t pixel, const std::vector<double>& path, std::vector<double>& radiance,
+                PixelTerms* terms) const;
+  /// The terms that resolve left of `count` items of `rows`, from the first on, for their pixels.
+  void file_terms(std::size_t first, std::size_t count, const std::vector<std::uint32_t>& pixels, RowBuffers& rows,
+                  PixelTerms* terms) const;
   std::vector<std::uint32_t> relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset,
                                       const TileOutput& out);
   void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TileOutput& out);

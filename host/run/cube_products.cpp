@@ -105,6 +105,13 @@ std::size_t layer_index(const std::vector<render::LayerName>& layers, const std:
 
 }  // namespace
 
+std::vector<int> shown_bands(const scene::Instrument& instrument) {
+  if (!instrument.quicklook_bands.empty()) return instrument.quicklook_bands;
+  std::vector<double> centers;
+  for (const auto& band : instrument.bands) centers.push_back(band.center_um);
+  return products::default_quicklook_bands(centers);
+}
+
 void check_output_place(const std::string& folder, bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code code;
@@ -133,7 +140,7 @@ struct CubeProducts::State {
         set(folder, if_exists),
         guard(*job_.instrument, plan::radiance_limit(job_.plan, simulation_.scene, job_.table)),
         layers(render::truth_layer_names(simulation_.scene, *job_.instrument)),
-        shown(shown_bands()),
+        shown(shown_bands(instrument)),
         missed(simulation_, *job_.instrument),
         order(job_.instrument->pixels, job_.instrument->lines) {
     set.hash_blocks();
@@ -183,13 +190,6 @@ struct CubeProducts::State {
                   std::map<std::string, std::string>{
                       {"units", "radiance W m-2 sr-1 um-1; truth layers as in truth.hdr"}, {"origin", where}});
     }
-  }
-
-  std::vector<int> shown_bands() const {
-    if (!instrument.quicklook_bands.empty()) return instrument.quicklook_bands;
-    std::vector<double> centers;
-    for (const auto& band : instrument.bands) centers.push_back(band.center_um);
-    return products::default_quicklook_bands(centers);
   }
 
   products::Piece piece_of(const render::Strip& strip) const {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/base/output_file.h"
 #include "host/run/camera_job.h"
@@ -11,6 +12,9 @@
 #include "host/products/run_record.h"
 
 namespace raycube::run {
+
+/// Bands that pictures show, from 0: the file's, else those nearest red, green and blue, or one.
+std::vector<int> shown_bands(const scene::Instrument& instrument);
 
 /// Refuses before the work what the end of it would refuse: a cube that is there already (unless replaced), a place
 /// that cannot be a folder or cannot be written. Makes nothing.

@@ -11,6 +11,7 @@
 #include "host/planner/sample_pattern.h"
 #include "host/run/air_table.h"
 #include "host/run/camera_job.h"
+#include "host/run/cube_products.h"
 #include "host/sensors/view_bounds.h"
 
 namespace raycube::run {
@@ -28,13 +29,9 @@ constexpr int kGroup = RC_GROUP_WIDTH;
 
 /// Blue to red as a quicklook has them, or one band.
 scene::Instrument with_shown_bands(const scene::Instrument& instrument) {
-  std::vector<double> centers;
-  for (const auto& band : instrument.bands) centers.push_back(band.center_um);
   scene::Instrument out = instrument;
   out.bands.clear();
-  for (const int band :
-       instrument.quicklook_bands.empty() ? products::default_quicklook_bands(centers) : instrument.quicklook_bands)
-    out.bands.push_back(instrument.bands[static_cast<std::size_t>(band)]);
+  for (const int band : shown_bands(instrument)) out.bands.push_back(instrument.bands[static_cast<std::size_t>(band)]);
   out.first_samples = 0;
   out.small_objects = scene::SmallObjects::off, out.standard_error = scene::StandardError::off;
   planner::give_samples(out, kPreviewSamples);

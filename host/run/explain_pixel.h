@@ -1,0 +1,36 @@
+// What one pixel's radiance is the sum of: light by where it came from and by what scattered it last.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/render/renderer.h"
+#include "host/run/camera_job.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::run {
+
+/// One kind of light, W m-2 sr-1 um-1 at the sensor.
+struct PixelPart {
+  std::string kind;  ///< path | ground_around | sun | sky | thermal_sky | surroundings | emission | between_surfaces
+  int number = 0;    ///< sky: component, from 1; between_surfaces: surfaces after the first that it has met
+  std::string material;          ///< what scattered or emitted it last; empty: none, or several
+  bool through = false;          ///< it came through that material
+  std::vector<double> radiance;  ///< [band]
+};
+
+struct PixelBudget {
+  std::vector<PixelPart> light;  ///< by kind in the order of PixelPart::kind, material and number
+  std::vector<double> sum;       ///< [band], of all light
+  std::vector<float> rendered;   ///< [band], what render writes
+  double worst_difference = 0;   ///< of sum and rendered, over the rendered band
+};
+
+/// The pixel as render makes it, means of replicates and samples for small objects included. A sky's components after
+/// its first are differences from that one's colour, and may be negative. Light between surfaces is told apart by
+/// rendering the same paths to one surface, to two, and so on. Sums are of doubles, those of render of floats: they
+/// differ by some 1e-7, with light between surfaces by some 1e-6.
+PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& simulation, const CameraJob& job,
+                          int line, int sample);
+
+}  // namespace raycube::run
