@@ -1,6 +1,6 @@
 """S26 `raycube explain`: what a pixel is the sum of. Oracles: the cube that render writes, to the bit; light is linear
-in a reflectance, and nothing else moves with it; no sun in a shadow; light between surfaces is positive in every order, and
-to fewer surfaces what a file of fewer shows."""
+in a reflectance, and nothing else moves with it; no sun in a shadow; light between surfaces is positive in every order,
+and to fewer surfaces what a file of fewer shows."""
 
 import json
 import pathlib
