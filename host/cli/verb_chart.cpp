@@ -115,7 +115,7 @@ int run(Invocation& invocation, const ChartRequest& options) {
   };
   std::vector<Job> jobs;
   for (std::size_t i = 0; i < simulation.instruments.size(); ++i)
-    if (wanted(simulation.instruments[i].name) && applies({simulation, &simulation.instruments[i], nullptr}))
+    if (wanted(simulation.instruments[i].name) && applies(run::chart_subject(simulation, i, options.knobs)))
       jobs.push_back({i, false, simulation.instruments[i].name});
   for (std::size_t i = 0; i < simulation.lidars.size(); ++i)
     if (wanted(simulation.lidars[i].name) && applies({simulation, nullptr, &simulation.lidars[i]}))

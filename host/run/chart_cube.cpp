@@ -37,12 +37,9 @@ struct FoundChart {
 Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOptions& options,
                  const std::vector<std::string>& devices, const render::RenderOptions& given, Services& services) {
   scene::Instrument& instrument = simulation.instruments[index];
-  const knobs::Subject subject{simulation, &instrument, nullptr};
+  const knobs::Subject subject = chart_subject(simulation, index, options.knobs);
   const knobs::Settings keep(subject);
-  if (simulation.bounces > 0)
-    services.log.warning(instrument.name +
-                         ": charted without light between surfaces, which the reference does not have");
-  simulation.bounces = 0, simulation.bounces_given = true;
+  simulation.bounces_given = true;  // the most that the planner may choose stands for what it would
   const auto chosen = chosen_knobs(subject, options.knobs);
   const CameraJob job = prepare_camera(simulation, instrument, services);
   const plan::ViewBounds view = sensors::view_bounds(instrument);
@@ -56,6 +53,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   study::ConvergedSettings settings;
   settings.threads = services.threads;
   settings.grid = options.reference_grid;
+  if (subject.between_surfaces) settings.levels = std::max(simulation.bounces, scene::kMostChosenBounces);
   const plan::Plan finest = reference_plan(subject, job.table, view);
   study::Kept kept;
   const study::Converged reference = study::kept_or(
@@ -73,6 +71,9 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   chart.reference = "Embree and double, full tables, " + std::to_string(2 * settings.grid * settings.grid) +
                     " samples, " + std::to_string(2 * settings.grid * settings.grid * settings.per_sample) +
                     " sky rays a pixel";
+  if (settings.levels > 0)
+    chart.reference += ", " + std::to_string(2 * settings.paths) + " paths to " + std::to_string(settings.levels) +
+                       " surfaces after the first (sun and sky of the plan's components)";
   chart.what_time = "the whole image of " + std::to_string(instrument.pixels) + " x " +
                     std::to_string(instrument.lines) +
                     " pixels, without writing: rows baked once, other stages of a few strips scaled to all pixels";

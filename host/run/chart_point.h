@@ -50,6 +50,10 @@ struct Chart {
 /// applies.
 std::vector<const knobs::Knob*> chosen_knobs(const knobs::Subject& subject, const std::vector<std::string>& names);
 
+/// A camera whose knobs are turned; light between surfaces is asked for where the file has it or the knob is named.
+knobs::Subject chart_subject(scene::Simulation& simulation, std::size_t instrument,
+                             const std::vector<std::string>& knobs);
+
 /// Calls visit with every setting: the own one, each knob's other levels one at a time, and samples with sky_directions
 /// together where both are among the knobs (every second level of each). The subject is set while visit runs and as it
 /// was afterwards.

@@ -25,6 +25,12 @@ std::vector<const knobs::Knob*> chosen_knobs(const knobs::Subject& subject, cons
   return out;
 }
 
+knobs::Subject chart_subject(scene::Simulation& simulation, std::size_t instrument,
+                             const std::vector<std::string>& knobs) {
+  const bool named = std::find(knobs.begin(), knobs.end(), "bounces") != knobs.end();
+  return {simulation, &simulation.instruments[instrument], nullptr, named || simulation.bounces > 0};
+}
+
 void for_each_setting(const knobs::Subject& subject, const std::vector<const knobs::Knob*>& chosen,
                       const std::function<void(ChartPoint)>& visit) {
   knobs::Settings keep(subject);

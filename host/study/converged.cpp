@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 
 #include "host/base/interrupt.h"
 #include "host/base/parallel.h"
+#include "host/reference/bounced_light.h"
 #include "host/reference/radiance.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
@@ -29,6 +31,15 @@ std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrume
   return out;
 }
 
+/// Adds the mean of a half's paths.
+void add_between(const reference::BouncedLight& light, const reference::SampledPixel& pixel, std::uint64_t seed,
+                 int paths, std::vector<double>& radiance) {
+  for (int path = 0; path < paths; ++path) {
+    const std::vector<double> one = light.by_path(pixel, seed, static_cast<std::uint32_t>(path));
+    for (std::size_t b = 0; b < radiance.size(); ++b) radiance[b] += one[b] / paths;
+  }
+}
+
 }  // namespace
 
 Converged converge(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
@@ -45,6 +56,8 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
     models.emplace_back(scene, plan, table, simulation.atmosphere.none, settings.directions,
                         reference::SkyShare{settings.per_sample, half * reference::SkyShare::kHalfStep_rad});
 
+  std::optional<reference::BouncedLight> between;
+  if (settings.levels > 0) between.emplace(scene, plan, settings.levels);
   const std::vector<reference::PixelAddress> pixels = addresses(instrument, simulation.scene, tiles);
   Converged out;
   out.bands = plan.bands.size();
@@ -53,14 +66,17 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
   std::mutex mutex;
   base::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
     base::throw_if_interrupted();
-    reference::BandRadiance found[kHalves];
+    std::vector<double> found[kHalves];
     for (rc_u32 half = 0; half < kHalves; ++half) {
       const std::uint64_t seed = rc_hash(static_cast<rc_u32>(simulation.seed), half,
                                          static_cast<rc_u32>(simulation.seed >> 32), kSeedDimension);
-      found[half] = models[half].radiance(scene.sample_pixel(fine, plan, seed, pixels[p]));
+      const reference::SampledPixel pixel = scene.sample_pixel(fine, plan, seed, pixels[p]);
+      const reference::BandRadiance once = models[half].radiance(pixel);
+      for (std::size_t b = 0; b < out.bands; ++b) found[half].push_back(once.total(b));
+      if (between) add_between(*between, pixel, seed, settings.paths, found[half]);
     }
     for (std::size_t b = 0; b < out.bands; ++b) {
-      const double first = found[0].total(b), second = found[1].total(b);
+      const double first = found[0][b], second = found[1][b];
       out.radiance[p * out.bands + b] = (first + second) / 2;
       out.half[p * out.bands + b] = (first - second) / 2;
     }

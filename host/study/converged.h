@@ -18,12 +18,13 @@ namespace raycube::study {
 struct ConvergedSettings {
   int grid = 31;
   int directions = 1024, per_sample = 8;
-  int threads = 0;  ///< 0: all
+  int levels = 0, paths = 2048;  ///< of light between surfaces: surfaces after the first, paths of each half
+  int threads = 0;               ///< 0: all
 };
 
 /// Pixels of the tiles in their order. `plan` lends its spectral grid, bands, the heights and the extent of the ground
-/// around; neither its nodes nor its sky. `progress`: called with the pixels done since the last call. Throws
-/// Error(interrupted).
+/// around; its nodes and its sky's components for light between surfaces alone. `progress`: called with the pixels done
+/// since the last call. Throws Error(interrupted).
 Converged converge(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
                    const atmos::RenderTable& table, const std::vector<render::Tile>& tiles,
                    const ConvergedSettings& settings, const std::function<void(std::uint64_t)>& progress = {});

@@ -123,6 +123,7 @@ std::string key_of(const scene::Simulation& simulation, const scene::Instrument&
   for (const render::Tile& tile : tiles)
     digest.add(tile.first_line).add(tile.lines).add(tile.first_column).add(tile.columns);
   digest.add(settings.grid).add(settings.directions).add(settings.per_sample);
+  if (settings.levels > 0) digest.add(settings.levels).add(settings.paths);
   return digest.hex();
 }
 

@@ -141,4 +141,30 @@ check(error["subrays", "1"] > 2 * error["subrays", "64"] > 2 * error["subrays", 
 check(error["bin_ns", "2"] > error["bin_ns", "1"] > error["bin_ns", "0.5"], error)
 rays = [float(row["rays"]) for row in table if row["knob"] == "subrays"]
 check(all(a < b for a, b in zip(rays, rays[1:])), rays)
+
+# Light between surfaces: in a street between bright walls errors fall with the surfaces that light may meet. A file
+# need not have it where the knob is named.
+street = folder / "street.toml"
+street.write_text(
+    """format = 1
+sky_directions = 256
+material = [{ name = "light", reflectance = 0.6 }]
+plane = [{ material = "light", size_m = [200.0, 200.0] }]
+box = [
+  { material = "light", position_m = [0.0, 4.0, 0.0], size_m = [60.0, 5.0, 12.0] },
+  { material = "light", position_m = [0.0, -4.0, 0.0], size_m = [60.0, 5.0, 12.0] },
+]
+atmosphere = { model = "clear_sky" }
+time = { sun = { zenith_deg = 40.0, azimuth_deg = 150.0 } }
+"""
+    + CAMERA.replace("gsd_m = 1.0", "gsd_m = 0.15")
+)
+asked = ["chart", street, "--pixels", 16, "--timed-pixels", 64, "--reference-grid", 4, "--repeats", 1, "-o", out]
+run(*asked, "--knob", "bounces", "--overwrite", env=env)
+table = rows(out / "camera_chart/chart.csv")
+error = {row["label"]: float(row["error"]) for row in table if row["knob"] == "bounces"}
+check(list(error) == ["0", "1", "2", "4", "8", "16"], error)
+check(error["0"] > 1.3 * error["1"] > 1.69 * error["2"] > 2.5 * error["4"], error)
+told = json.loads((out / "camera_chart/chart.json").read_text())["reference"]
+check("4096 paths to 16 surfaces" in told, told)
 print(f"{program.checks} checks")
