@@ -92,9 +92,10 @@ bool in_range(const KeySpec& spec, double value, const base::Where& where, base:
   if (std::isfinite(value) && !below && !above) return true;
   const std::string range = range_text(spec);
   const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
-  problems.add(where,
-               "'" + std::string(spec.key) + "' is " + (std::isfinite(value) ? "out of range" : "not a finite number"),
-               number_text(value), range.empty() ? "give a finite number" + unit : "give a number " + range + unit);
+  const std::string word = spec.type == KeyType::integer_or_word ? " or \"" + std::string(spec.shape) + "\"" : "";
+  problems.add(
+      where, "'" + std::string(spec.key) + "' is " + (std::isfinite(value) ? "out of range" : "not a finite number"),
+      number_text(value), range.empty() ? "give a finite number" + unit : "give a number " + range + unit + word);
   return false;
 }
 

@@ -59,16 +59,32 @@ const scene::Instrument& only_instrument(const scene::Simulation& simulation, co
 }
 
 std::string name_of(const run::PixelPart& light) {
+  using enum run::LightKind;
   const std::string of = light.material.empty() ? "" : (light.through ? " through " : " on ") + light.material;
-  if (light.kind == "path") return "path: air before the scene";
-  if (light.kind == "ground_around") return "ground around, by the air";
-  if (light.kind == "sun") return "sun" + of;
-  if (light.kind == "sky") return fmt::format("sky {}{}", light.number, of);
-  if (light.kind == "thermal_sky") return fmt::format("thermal sky {}{}", light.number, of);
-  if (light.kind == "surroundings") return "warm surroundings" + of;
-  if (light.kind == "emission") return "emitted by " + light.material;
+  switch (light.kind) {
+    case path:
+      return "path: air before the scene";
+    case ground_around:
+      return "ground around, by the air";
+    case sun:
+      return "sun" + of;
+    case sky:
+      return fmt::format("sky {}{}", light.number, of);
+    case thermal_sky:
+      return fmt::format("thermal sky {}{}", light.number, of);
+    case surroundings:
+      return "warm surroundings" + of;
+    case emission:
+      return "emitted by " + light.material;
+    case between_surfaces:
+      break;
+  }
   return fmt::format("between surfaces, order {}", light.number);
 }
+
+/// By run::LightKind, in JSON.
+constexpr const char* kLightKinds[] = {"path",        "ground_around", "sun",      "sky",
+                                       "thermal_sky", "surroundings",  "emission", "between_surfaces"};
 
 void print_budget(const run::PixelBudget& budget, const scene::Instrument& instrument, PixelPlace at,
                   const std::vector<int>& bands, std::ostream& out) {
@@ -101,7 +117,7 @@ nlohmann::ordered_json to_json(const run::PixelBudget& budget, const scene::Inst
                                 {"light", nlohmann::json::array()}};
   for (const auto& band : instrument.bands) all["wavelength_um"].push_back(band.center_um);
   for (const run::PixelPart& light : budget.light) {
-    nlohmann::ordered_json one = {{"kind", light.kind}};
+    nlohmann::ordered_json one = {{"kind", kLightKinds[static_cast<std::size_t>(light.kind)]}};
     if (light.number > 0) one["number"] = light.number;
     if (!light.material.empty()) one["material"] = light.material, one["through"] = light.through;
     one["radiance"] = light.radiance;

@@ -25,6 +25,14 @@ struct RenderOptions {
   std::optional<DeviceTuning> tuning = {};  ///< forces sizes of launches (tests)
 };
 
+/// A part of a pixel's radiance: weight times what plan::bake_row has of the key in the channel.
+struct Term {
+  std::uint64_t key = 0;
+  std::uint32_t channel = 0;
+  double weight = 0;
+};
+using PixelTerms = std::vector<Term>;
+
 /// Lines of the finished image, whole or a part of each.
 struct Strip {
   int first_line = 0, lines = 0;
@@ -34,14 +42,6 @@ struct Strip {
       nullptr;  ///< [line][sample][band], standard error of the radiance; null unless the instrument asks for bands
   int first_sample = 0, samples = 0;  ///< of each line; 0: all
 };
-/// A part of a pixel's radiance: weight times what plan::bake_row has of the key in the channel.
-struct Term {
-  std::uint64_t key = 0;
-  std::uint32_t channel = 0;
-  double weight = 0;
-};
-using PixelTerms = std::vector<Term>;
-
 using StripSink = std::function<void(const Strip&)>;
 using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;
 

@@ -14,26 +14,22 @@ namespace raycube::run {
 
 namespace {
 
-enum class Light { path, ground_around, sun, sky, thermal_sky, surroundings, emission, between_surfaces };
-constexpr const char* kLights[] = {"path",        "ground_around", "sun",      "sky",
-                                   "thermal_sky", "surroundings",  "emission", "between_surfaces"};
-
-/// Light, curve of the material (0: none), number.
-using Origin = std::tuple<Light, std::uint32_t, int>;
+/// Kind, curve of the material (0: none), number.
+using Origin = std::tuple<LightKind, std::uint32_t, int>;
 
 Origin origin_of(const plan::Plan& plan, const scene::CompiledScene& scene, const render::Term& term) {
-  if (term.key == 0) return {Light::path, 0, 0};
-  if ((term.key & plan::kSkeletonKey) == plan::kSkeletonKey) return {Light::between_surfaces, 0, 0};
-  if (term.key & plan::kEnvironmentKey) return {Light::ground_around, 0, 0};
+  if (term.key == 0) return {LightKind::path, 0, 0};
+  if ((term.key & plan::kSkeletonKey) == plan::kSkeletonKey) return {LightKind::between_surfaces, 0, 0};
+  if (term.key & plan::kEnvironmentKey) return {LightKind::ground_around, 0, 0};
   const std::uint32_t curve = rc_key_curve(term.key, 0);
   const int source = static_cast<int>(term.channel) / (plan.height.count * plan.view.count);
-  if (source < plan.first_component()) return {Light::sun, curve, 0};
+  if (source < plan.first_component()) return {LightKind::sun, curve, 0};
   if (source >= plan.first_emission())  // a leaf's is 1 less both of its curves
-    return {Light::emission, scene::reflectance_curve(scene, scene::material_of_curve(scene, curve)), 0};
+    return {LightKind::emission, scene::reflectance_curve(scene, scene::material_of_curve(scene, curve)), 0};
   const int component = source - plan.first_component();
-  if (component < plan.sky_components) return {Light::sky, curve, component + 1};
-  if (component + 1 < plan.components()) return {Light::thermal_sky, curve, component - plan.sky_components + 1};
-  return {Light::surroundings, curve, 0};
+  if (component < plan.sky_components) return {LightKind::sky, curve, component + 1};
+  if (component + 1 < plan.components()) return {LightKind::thermal_sky, curve, component - plan.sky_components + 1};
+  return {LightKind::surroundings, curve, 0};
 }
 
 std::map<Origin, render::PixelTerms> by_origin(const plan::Plan& plan, const scene::CompiledScene& scene,
@@ -72,18 +68,18 @@ PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& s
   out.sum = light_of(parts.terms);
   for (const auto& [origin, terms] : by_origin(job.plan, scene, parts.terms)) {
     const auto [kind, curve, number] = origin;
-    if (kind == Light::between_surfaces) {
+    if (kind == LightKind::between_surfaces) {
       const auto up_to = [&](int levels) {
         plan::Plan fewer = job.plan;
         fewer.bounces.levels = levels;
-        return light_of(by_origin(fewer, scene, parts_of(fewer).terms)[{Light::between_surfaces, 0, 0}]);
+        return light_of(by_origin(fewer, scene, parts_of(fewer).terms)[{LightKind::between_surfaces, 0, 0}]);
       };
       int order = 0;
       for (auto& light : by_order(job.plan, light_of(terms), up_to))
-        out.light.push_back({kLights[static_cast<int>(kind)], ++order, {}, false, std::move(light)});
+        out.light.push_back({kind, ++order, {}, false, std::move(light)});
       continue;
     }
-    PixelPart light{kLights[static_cast<int>(kind)], number, {}, false, light_of(terms)};
+    PixelPart light{kind, number, {}, false, light_of(terms)};
     if (curve > 0) {
       light.material = scene.materials[scene::material_of_curve(scene, curve)].name;
       light.through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;

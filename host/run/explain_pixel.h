@@ -10,17 +10,21 @@
 
 namespace raycube::run {
 
+/// Where light came from: the air before the scene, the ground around by way of the air, sun, sky, the thermal sky,
+/// warm surroundings, the surface's own emission, other surfaces.
+enum class LightKind { path, ground_around, sun, sky, thermal_sky, surroundings, emission, between_surfaces };
+
 /// One kind of light, W m-2 sr-1 um-1 at the sensor.
 struct PixelPart {
-  std::string kind;  ///< path | ground_around | sun | sky | thermal_sky | surroundings | emission | between_surfaces
-  int number = 0;    ///< sky: component, from 1; between_surfaces: surfaces after the first that it has met
+  LightKind kind;
+  int number = 0;  ///< of a sky's component, from 1; between surfaces: of surfaces after the first that it has met
   std::string material;          ///< what scattered or emitted it last; empty: none, or several
   bool through = false;          ///< it came through that material
   std::vector<double> radiance;  ///< [band]
 };
 
 struct PixelBudget {
-  std::vector<PixelPart> light;  ///< by kind in the order of PixelPart::kind, material and number
+  std::vector<PixelPart> light;  ///< in the order of kind, material and number
   std::vector<double> sum;       ///< [band], of all light
   std::vector<float> rendered;   ///< [band], what render writes
   double worst_difference = 0;   ///< of sum and rendered, over the rendered band

@@ -172,5 +172,7 @@ with tempfile.TemporaryDirectory() as temporary:
     check(bounced(0)[1] != radiance)
     garden.write_text(garden.read_text().replace("format = 1\n", 'format = 1\nbounces = "many"\n', 1))
     refused("plan", garden, status=2, says=["bounces", "many", 'an integer or "auto"'])
+    garden.write_text(garden.read_text().replace('bounces = "many"', "bounces = 65"))
+    refused("plan", garden, status=2, says=["bounces", "65", '0 .. 64 or "auto"'])
 
 print(f"plan_cli: {program.checks} checks")
