@@ -86,7 +86,7 @@ def scenes():
         [
             (r"pixels = 320", "pixels = 256"),
             (r"lines = 320", "lines = 256"),
-            (r"sky_directions = \d+", "sky_directions = 12"),
+            (r"sky_directions = \d+", "sky_directions = 12\\nbounces = 0"),
         ],
     )
     survey = changed(

@@ -68,7 +68,7 @@ def render(launcher, name, side_m, grid, sky, seed):
         else ""
     )
     file.write_text(
-        f'format = 1\nsky_directions = {sky}\n[atmosphere]\nmodel = "clear_sky"\n[time.sun]\n'
+        f'format = 1\nbounces = 0\nsky_directions = {sky}\n[atmosphere]\nmodel = "clear_sky"\n[time.sun]\n'
         f'zenith_deg = 40.0\nazimuth_deg = 150.0\n{materials}'
         f'[[plane]]\nmaterial = "loam"\nsize_m = [{wide}, {wide}]\n{leaves}'
         f'[[instrument]]\nname = "camera"\nkind = "framing"\naltitude_agl_m = 2000.0\ngsd_m = {GSD_M}\n'

@@ -12,7 +12,9 @@ scene::Simulation load_park(const Settings& settings) {
     throw base::Error(base::Fault::environment, "bench: no park at " + settings.park_file +
                                                     "; make it with scenes/park/generate.py " +
                                                     std::filesystem::path(settings.park_file).parent_path().string());
-  return scene::load_simulation(settings.park_file);
+  scene::Simulation park = scene::load_simulation(settings.park_file);
+  park.bounces = 0, park.bounces_given = true;  // figures of light scattered once, as those that they are held against
+  return park;
 }
 
 run::CameraJob prepare_job(const scene::Simulation& simulation, const scene::Instrument& instrument) {

@@ -311,8 +311,8 @@ def write_simulation(scene, name, samples, sky_directions):
     """The scene as a simulation file; samples like 'jittered = [4, 4]'. Returns its path."""
     quoted = json.dumps
     text = [
-        f"format = 1\nsky_directions = {sky_directions}\ntolerance = 0.001\n[atmosphere]\ntables = \"sky.rct\"\n"
-        f"adjacency = \"off\"\n"
+        f"format = 1\nbounces = 0\nsky_directions = {sky_directions}\ntolerance = 0.001\n[atmosphere]\n"
+        f'tables = "sky.rct"\nadjacency = "off"\n'
         f"[time.sun]\nzenith_deg = {SUN_ZENITH_DEG}\nazimuth_deg = {SUN_AZIMUTH_DEG}\n"
     ]
     for material in scene.materials():

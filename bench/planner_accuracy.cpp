@@ -76,6 +76,7 @@ int study_all(const std::string& file, const std::vector<std::string>& scenes, c
     const auto equals = scene.find('=');
     const std::string name = scene.substr(0, equals), path = scene.substr(equals + 1);
     scene::Simulation simulation = scene::load_simulation(path);
+    simulation.bounces = 0, simulation.bounces_given = true;  // the converged solution is of light scattered once
     for (std::size_t i = 0; i < simulation.instruments.size(); ++i)
       if (only.empty() || simulation.instruments[i].name == only)
         keep(bench::study_instrument(simulation, i, name, settings, services));

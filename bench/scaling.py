@@ -80,7 +80,7 @@ def write_simulation(name, trees, side_m, pixels, lines, samples, bands, field_m
     ]
     step = 2000 / max(bands - 1, 1)
     (WORK / f"{name}.toml").write_text(
-        f'format = 1\nsky_directions = {sky}\n[atmosphere]\ntables = "sky.rct"\nadjacency = "off"\n'
+        f'format = 1\nbounces = 0\nsky_directions = {sky}\n[atmosphere]\ntables = "sky.rct"\nadjacency = "off"\n'
         f"[time.sun]\nzenith_deg = {peer_scene.SUN_ZENITH_DEG}\nazimuth_deg = {peer_scene.SUN_AZIMUTH_DEG}\n"
         + "".join(spectra)
         + f'[[plane]]\nmaterial = "lawn_grass"\nsize_m = [{side_m}, {side_m}]\n[[mesh]]\nname = "tree"\n'

@@ -56,6 +56,7 @@ def changed(file, name, samples, directions, tolerance):
     text = re.sub(r"(?m)^tolerance = .*$", f"tolerance = {tolerance}", file.read_text())
     text = re.sub(r"(?m)^sky_directions = .*$", f"sky_directions = {directions}" if directions else "", text)
     text = re.sub(r"(?m)^samples = .*$", samples or "", text)
+    text = text.replace("format = 1\n", "format = 1\nbounces = 0\n", 1)  # as the reference has it
     text = re.sub(r"(?m)^small_objects = .*$", "", text)  # which takes up to 16384 samples, whatever the tolerance
     out = file.with_name(f"{file.stem}_{name}.toml")
     out.write_text(text)

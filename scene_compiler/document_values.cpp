@@ -107,8 +107,10 @@ void fill_default(const KeySpec& spec, Value& value) {
       value.boolean = text == "true";
       break;
     case KeyType::integer:
-    case KeyType::integer_or_word:
       std::from_chars(text.data(), text.data() + text.size(), value.integer);
+      break;
+    case KeyType::integer_or_word:
+      if (std::from_chars(text.data(), text.data() + text.size(), value.integer).ec != std::errc()) value.text = text;
       break;
     case KeyType::number:
       std::from_chars(text.data(), text.data() + text.size(), value.number);

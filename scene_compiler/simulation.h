@@ -64,6 +64,7 @@ struct Instrument {
   bool adaptive() const { return first_samples > 0 && first_samples < samples_u * samples_v; }
   SmallObjects small_objects = SmallObjects::off;
   StandardError standard_error = StandardError::off;
+  bool auto_bounces = true;   ///< the planner may let light go between surfaces; false: only a number in the file does
   double psf_sigma_px = 0;    ///< Gaussian PSF sigma in pixels; 0: box, no blur
   double psf_support_px = 1;  ///< width of the square the samples cover, pixels; 1 for the box
   std::vector<Band> bands;
@@ -139,7 +140,7 @@ class Ground;
 /// Of a pixel, where neither file nor planner says.
 inline constexpr int kDefaultSkyDirections = 64;
 /// Surfaces after the first, of which the planner chooses.
-inline constexpr int kMostChosenBounces = 16;
+inline constexpr int kMostChosenBounces = 64;
 
 /// A whole simulation as one file describes it.
 struct Simulation {
@@ -148,7 +149,7 @@ struct Simulation {
   std::uint64_t seed = 1;
   int sky_directions = kDefaultSkyDirections;  ///< of a pixel, shared out among its samples
   int bounces = 0;                             ///< surfaces that light may come by after the first
-  bool bounces_given = true;          ///< false: the planner chooses, at most that many (host/planner/bounce_level.h)
+  bool bounces_given = true;  ///< false: the planner chooses between that many and none (host/planner/bounce_level.h)
   bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
   bool thermal_below_3um = true;  ///< false: bands below 3 um go without thermal light whatever it makes

@@ -79,7 +79,7 @@ std::string name_of(const run::PixelPart& light) {
     case between_surfaces:
       break;
   }
-  return fmt::format("between surfaces, order {}", light.number);
+  return fmt::format("between surfaces, order {}{}", light.number, light.and_more ? " and more" : "");
 }
 
 /// By run::LightKind, in JSON.
@@ -119,6 +119,7 @@ nlohmann::ordered_json to_json(const run::PixelBudget& budget, const scene::Inst
   for (const run::PixelPart& light : budget.light) {
     nlohmann::ordered_json one = {{"kind", kLightKinds[static_cast<std::size_t>(light.kind)]}};
     if (light.number > 0) one["number"] = light.number;
+    if (light.and_more) one["and_more"] = true;
     if (!light.material.empty()) one["material"] = light.material, one["through"] = light.through;
     one["radiance"] = light.radiance;
     all["light"].push_back(std::move(one));

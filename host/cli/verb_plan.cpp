@@ -52,9 +52,8 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
                 " (on {} pixels against the whole tables; in the table above {} for the worst place and obstacle)",
                 d.model_pixels, planner::percent_text(d.plan_estimate))
           : "",
-      planner::drawn_text(d), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT",
-      d.counts.samples + d.counts.sun_rays + d.counts.sky_rays + d.counts.path_rays, d.counts.terms, d.counts.bands,
-      d.s_per_megapixel, d.trial_pixels, static_cast<double>(d.trial_rays));
+      planner::drawn_text(d), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT", d.counts.rays(), d.counts.terms,
+      d.counts.bands, d.s_per_megapixel, d.trial_pixels, static_cast<double>(d.trial_rays));
   said.entry = {instrument.name, false, d.sampling, 0, planner::axes_json(job.plan), planner::decision_json(d, lines)};
   said.notes = d.notes;
   return said;

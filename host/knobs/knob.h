@@ -18,7 +18,7 @@ struct Subject {
   scene::Simulation& simulation;
   scene::Instrument* instrument = nullptr;
   scene::Lidar* lidar = nullptr;
-  bool between_surfaces = false;  ///< of a camera: light between surfaces is asked for
+  bool between_surfaces = false;  ///< of a camera: light between surfaces is asked for by file or knob
 };
 
 /// A level is a number: a count, a width, or the place of a choice in a list; label() writes it.

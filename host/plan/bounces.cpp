@@ -26,7 +26,6 @@ constexpr std::size_t kMostWavelengths = 128, kStep = 16;
 constexpr double kNothingLeft = 1e-12;        ///< of the largest column: rounding of what has been taken out
 constexpr double kFewest = 0.1, kMost = 0.9;  ///< chance of the side by which a path leaves a leaf
 constexpr double kMostSeen = 4;               ///< light at a place over that of the bands there, so far counted
-constexpr double kMostAmplified = 4;          ///< that the skeleton may make of noise
 constexpr std::uint32_t kTraining = 61, kJudging = 62;
 
 /// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums;

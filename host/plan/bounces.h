@@ -9,6 +9,8 @@ namespace raycube::plan {
 
 inline constexpr std::string_view kBetweenSurfaces = "light between surfaces: ";  ///< that notices of it begin with
 
+inline constexpr double kMostAmplified = 4;  ///< that the skeleton may make of noise before it is told
+
 /// Fills plan.bounces, and plan.sky.rays by `paths` where no rays go to the sky, for `levels` surfaces after the first;
 /// nothing where that is 0, or where neither sun nor sky are sources. The plan has its grid, its bands and its sources.
 ///

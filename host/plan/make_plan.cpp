@@ -469,7 +469,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   compare_with_flux_row(plan, setting, light.sky);
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);
-  plan_bounces(plan, simulation.scene, simulation.bounces, simulation.sky_directions, setting.share);
+  const int bounces = simulation.bounces_given || instrument.auto_bounces ? simulation.bounces : 0;
+  plan_bounces(plan, simulation.scene, bounces, simulation.sky_directions, setting.share);
   return plan;
 }
 

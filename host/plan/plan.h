@@ -42,6 +42,13 @@ struct BandQuadrature {
 /// granted and its rays bring the rest, so that open ground has no noise and a crown's floor does not pay for light
 /// that it never had.
 struct SkyRays {
+  /// Shares, by the cosine, of directions that meet another surface, as a few pixels show them (planner/open_share.h).
+  struct Met {
+    bool known = false;
+    double rms = 0.5;   ///< over pixels, of what they see: those brighter than the mean by how bright, worst band
+    double mean = 0.5;  ///< over pixels
+    double on = 0.5;    ///< of surfaces that are met: those count the more the more others they meet
+  };
   int rays = 0;             ///< of a pixel, all samples together, and as many paths where there are any; 0: neither
   double cosine_share = 1;  ///< by the cosine about the normal
   double sun_share = 0;     ///< of the rest, about the sun with this asymmetry; all else evenly
@@ -49,6 +56,7 @@ struct SkyRays {
   double spread = 0;           ///< variance of one ray's light over its mean's square: mean over many tilts, open sky
   double sun_azimuth_rad = 0;  ///< from which the maps' azimuth counts, clockwise from north
   std::vector<float> open_share;  ///< [surface], 0 .. 1, taken for granted; empty: 1 everywhere
+  Met met;
   /// What the rays of a render with this seed are hashed by; draw: other rays of one seed, for trials.
   static std::uint32_t hash_seed(std::uint64_t seed, std::uint32_t draw = 0) {
     return static_cast<std::uint32_t>(seed) + draw * 0x9e3779b9u;

@@ -1,20 +1,20 @@
-// By how many surfaces light has to come: from a few of an image's pixels, whose paths are followed to several ends.
+// Whether light goes between surfaces, where the file leaves it to the planner.
 #pragma once
 
 #include "host/plan/plan.h"
-#include "host/render/renderer.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::planner {
 
-/// Gives plan.bounces as many levels as leave out, in the worst band, no more than a tenth of the tolerance of what is
-/// seen, or none where light scattered once is that near; what is left out joins the plan's errors. The same paths are
-/// followed to 0, 1, 2, 4, 8 and 16 surfaces after the first under two draws, independent but for the pixels: what one
-/// count misses of the last is, squared, the mean over pixels of the product of both draws' differences, and at least
-/// their mean (the differences are never negative). What the last misses itself is taken from those before as of a
-/// geometric series. The skeleton is that of the levels chosen. Returns whether there was anything to choose: the
-/// plan's programs may be others then.
-bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulation,
-                    const scene::Instrument& instrument, plan::Plan& plan);
+/// Where the file asks for `bounces = "auto"`, drops plan.bounces if light scattered once is nearer than a tenth of the
+/// tolerance to all light, after plan.sky.met; else paths keep the most surfaces they may have, since few come so far
+/// and those that can carry little end by chance. Returns whether it dropped them: the plan's programs are others then.
+///
+/// Light scattered once misses about rms q / ((1 - q on) s) of what is seen, with q the largest reflectance and
+/// transmittance together of any surface and wavelength and s the sine of the sun's elevation, 0.1 at least; light of N
+/// surfaces misses (q on)^N of that. What is met is taken to be of that matter and to face the sun, so both are rather
+/// too large than too small (docs/light.md says by how much); where surfaces are shaped their bright side adds to what
+/// is open.
+bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan);
 
 }  // namespace raycube::planner

@@ -12,22 +12,28 @@ namespace raycube::planner {
 struct PixelCounts {
   double samples = 1;  ///< rays from the camera
   double sun_rays = 0, sky_rays = 0;
-  double path_rays = 0;  ///< of light between surfaces: from each surface of a path one on and one to the sun
-  double terms = 0;      ///< of the band integration
+  double paths = 0;          ///< of light between surfaces, of one ray each
+  double path_surfaces = 0;  ///< that they come to, each with a ray to the sun and one on
+  double skeleton = 0;       ///< wavelengths that paths carry
+  double terms = 0;          ///< of the band integration
   double bands = 0;
+
+  double rays() const { return samples + sun_rays + sky_rays + paths + 2 * path_surfaces; }
 };
 
 /// Nominal seconds: two cores of an AVX-512 server, PoCL (bench/RESULTS.md, park, figures of rays that face their
 /// light). A sample pays for its ray, its surface point and its shading. What counts for a choice is what one more
 /// takes: a sky ray 2.3 times a sample with its sun ray (0.116 and 0.040 us in the park, 0.08 and 0.065 on the peer
-/// scene, 2026-11-25; all of them over their number are 0.143 and 0.076, 0.126 and 0.099). A ray of a path,
-/// of the 2 N that a path of N levels may have, takes 0.47 of a sky ray, since most paths end before (0.16 and 0.34 us:
-/// park, 34 samples, 24 rays and paths, 4 levels, a server with AVX2 alone, 2026-11-26).
+/// scene, 2026-11-25; all of them over their number are 0.143 and 0.076, 0.126 and 0.099). A path and what it meets
+/// take 2.8 sky rays in the park (0.35 surfaces, 96 wavelengths), 1.04 on the starter scene (0.08, 32), 0.98 and 0.87
+/// where trees and targets are few (0.02 surfaces; a server with AVX2 alone, 2026-11-26): one ray, and what each
+/// surface takes the more the more wavelengths are carried.
 struct CostModel {
-  double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.15e-7, path_ray_s = 5.4e-8, term_band_s = 1.5e-10;
+  double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.15e-7, term_band_s = 1.5e-10;
+  double path_s = 1.0e-7, path_surface_s = 1.4e-7, carried_s = 4e-9;
   double seconds(const PixelCounts& c) const {
-    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.path_rays * path_ray_s +
-           c.terms * c.bands * term_band_s;
+    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.paths * path_s +
+           c.path_surfaces * (path_surface_s + c.skeleton * carried_s) + c.terms * c.bands * term_band_s;
   }
   /// What a pixel takes whatever its settings: a walk for its group, its place in files. No choice depends on it; what
   /// is said of a whole render does.

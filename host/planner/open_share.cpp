@@ -6,6 +6,8 @@
 #include "host/planner/pixel_trial.h"
 #include "host/planner/replicated.h"
 #include "host/planner/sample_pattern.h"
+#include "host/planner/trial_pixels.h"
+#include "host/reference/contact.h"
 
 namespace raycube::planner {
 
@@ -18,10 +20,51 @@ constexpr float kHalf = 0.5f;                      ///< taken for granted while 
 constexpr double kPrior = 16;
 /// Shares are told in so many steps: what devices round differently does not move them.
 constexpr double kSteps = 64;
+constexpr double kMetSteps = 1024;  ///< of what meets surfaces: some of it decides whether light goes between them
+
+double told(double share, double steps) { return std::round(std::max(share, 0.0) * steps) / steps; }
 
 struct Seen {
   double open = 0, all = 0, rays = 0;  ///< light that rays met and could have met, and their number
 };
+
+/// What the rays of one pixel say of the directions from its surfaces: hidden sky, and what is below the horizon.
+struct PixelSeen {
+  double hidden = 0, all = 0;  ///< light
+  double below = 0, rays = 0;  ///< share of a tilted surface's directions, summed; number
+  bool any = false;            ///< it sees a surface, whose directions are all below the horizon where no ray left it
+
+  double low() const { return rays > 0 ? below / rays : any ? 1 : 0; }
+  double share() const { return all > 0 ? hidden / all : 0; }
+  double met() const { return low() + (1 - low()) * share(); }
+  /// Of met(), without what the chance of rays adds to it; of one ray nothing is known of that.
+  double met_squared() const {
+    const double h = share(), square = rays > 1 ? h * h - h * (1 - h) / (rays - 1) : h;
+    return low() * low() + 2 * low() * (1 - low()) * h + (1 - low()) * (1 - low()) * square;
+  }
+};
+
+/// radiance: [pixel][band]; a pixel counts by how bright it is, the darker ones as all do on average.
+plan::SkyRays::Met met_of(const std::vector<PixelSeen>& pixels, const std::vector<double>& radiance) {
+  const std::size_t bands = pixels.empty() ? 0 : radiance.size() / pixels.size();
+  const auto count = static_cast<double>(pixels.size());
+  std::vector<double> means(bands), by_band(bands);
+  for (std::size_t i = 0; i < radiance.size(); ++i) means[i % bands] += radiance[i];
+  means = judged_means(std::move(means), count);
+  double sum = 0, squares = 0;
+  for (std::size_t p = 0; p < pixels.size(); ++p) {
+    const double here = pixels[p].met_squared();
+    sum += pixels[p].met(), squares += here;
+    for (std::size_t b = 0; b < bands; ++b) {
+      const double bright = means[b] > 0 ? std::max(1.0, radiance[p * bands + b] / means[b]) : 1;
+      by_band[b] += here * bright * bright;
+    }
+  }
+  if (bands == 0) return {};
+  const double worst = *std::max_element(by_band.begin(), by_band.end());
+  return {true, told(std::sqrt(std::max(0.0, worst / count)), kMetSteps), told(sum / count, kMetSteps),
+          told(sum > 0 ? squares / sum : 0, kMetSteps)};
+}
 
 }  // namespace
 
@@ -46,6 +89,8 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   half.bounces.levels = 0;
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());
+  std::vector<PixelSeen> pixels;
+  std::vector<double> radiance;
   // Of the first component: without any sky it is the surroundings', whose light is -1.
   const double bright = plan.sky_components + plan.thermal.sky_components > 0 ? 1 : -1;
   renderer.probe_together(
@@ -54,11 +99,22 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
         const auto samples = static_cast<std::size_t>(probe.samples);
         const std::size_t planes = probe.sky_met.size() / std::max<std::size_t>(1, probe.hit_instance.size()) /
                                    static_cast<std::size_t>(probe.sides);
+        const std::size_t before = pixels.size(), sides = static_cast<std::size_t>(probe.sides);
+        pixels.resize(before + probe.hit_instance.size() / samples);
+        radiance.insert(radiance.end(), probe.radiance.begin(), probe.radiance.end());
+        for (std::size_t i = 0; i < probe.hit_instance.size(); ++i)
+          if (probe.hit_instance[i] != RC_NONE) pixels[before + i / samples].any = true;
         for (std::size_t i = 0; i < probe.sky_met.size() / planes; ++i) {
-          const std::size_t p = i / samples / static_cast<std::size_t>(probe.sides), s = i % samples;
+          const std::size_t p = i / samples / sides, s = i % samples;
           const double met = bright * static_cast<double>(probe.sky_met[planes * i]);
           if (met == 0) continue;
           const std::uint32_t primitive = probe.hit_primitive[p * samples + s];
+          const reference::Hit hit{probe.hit_instance[p * samples + s], primitive};
+          const double up = std::abs(reference::world_normal(scene, hit).z);  // views look down
+          const bool far_side = i / samples % sides > 0;
+          PixelSeen& pixel = pixels[before + p];
+          pixel.hidden += std::abs(met) - met, pixel.all += 2 * std::abs(met);
+          pixel.below += 0.5 * (far_side ? 1 + up : 1 - up), pixel.rays += 1;
           Seen& at = seen[scene.blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK]];
           at.open += std::abs(met) + met, at.all += 2 * std::abs(met), at.rays += 1;
         }
@@ -66,10 +122,11 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   Seen whole;
   for (const Seen& at : seen) whole.open += at.open, whole.all += at.all, whole.rays += at.rays;
   if (!(whole.all > 0)) return;
+  plan.sky.met = met_of(pixels, radiance);
   const double mean = whole.open / whole.all, each = whole.all / whole.rays;
   for (const Seen& at : seen) {
     const double share = (at.open + kPrior * each * mean) / (at.all + kPrior * each);
-    plan.sky.open_share.push_back(static_cast<float>(std::round(std::clamp(share, 0.0, 1.0) * kSteps) / kSteps));
+    plan.sky.open_share.push_back(static_cast<float>(told(std::min(share, 1.0), kSteps)));
   }
 }
 

@@ -1,5 +1,5 @@
 // How much of the open sky each surface of a scene sees, from a few of its pixels: what the sky's rays may take for
-// granted (plan::SkyRays).
+// granted, and how many directions meet other surfaces (plan::SkyRays).
 #pragma once
 
 #include "host/plan/plan.h"
@@ -8,7 +8,8 @@
 
 namespace raycube::planner {
 
-/// Fills plan.sky.open_share; without a sky nothing is rendered. The plan stays free of bias whatever is found.
+/// Fills plan.sky.open_share and plan.sky.met; without a sky nothing is rendered. The plan stays free of bias whatever
+/// is found. Rays are weighed by the first component's light; what is below a surface's horizon counts as met.
 void measure_open_share(render::Renderer& renderer, const scene::Simulation& simulation,
                         const scene::Instrument& instrument, plan::Plan& plan);
 

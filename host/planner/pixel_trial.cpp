@@ -116,8 +116,7 @@ std::vector<TrialImage> PixelTrial::render(const scene::Instrument& instrument, 
   const PixelCounts counts =
       pixel_counts(plan_, static_cast<double>(instrument.samples_u) * instrument.samples_v, plan_.sky.rays);
   const double rendered = static_cast<double>(pixels_ * draws.size());
-  rays_ +=
-      static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays + counts.path_rays) * rendered);
+  rays_ += static_cast<std::uint64_t>(counts.rays() * rendered);
   cost_s_ += CostModel().seconds(counts) * rendered;
   return out;
 }

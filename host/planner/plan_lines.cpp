@@ -192,15 +192,17 @@ PlanLine bounces_line(const plan::Plan& plan) {
   const plan::Bounces& b = plan.bounces;
   const auto& [open, chosen, missed, once_missed] = plan.report.bounces;
   std::string why = "the file asks for them; the error is the wavelengths', where surfaces see nothing but each other";
-  if (open) why = "the most that a trial, which takes a device, may choose";
+  if (open) why = "whether there is enough of it a look on a device says";
   if (chosen)
     why = b.any() ? fmt::format(
-                        "fewest that leave out so little, by a trial; the wavelengths err by {} where surfaces "
-                        "see nothing but each other",
+                        "without it so much may be missed, from above; paths end by chance; the wavelengths err by {} "
+                        "where surfaces see nothing but each other",
                         percent_text(b.error))
-                  : "light scattered once is that near, by a trial";
+                  : "light scattered once is that near, after what surfaces see of each other";
   return {"between surfaces",
-          b.any() ? fmt::format("{} more", plural(static_cast<std::size_t>(b.levels), "surface")) : "none",
+          b.any()
+              ? fmt::format("{}{} more", chosen ? "up to " : "", plural(static_cast<std::size_t>(b.levels), "surface"))
+              : "none",
           chosen ? missed : b.error,
           chosen && b.any() ? once_missed : -1,
           b.any() ? fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")) : "none",

@@ -371,9 +371,7 @@ bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulatio
   out.within = out.total_error <= out.tolerance;
   out.trial_pixels = out.looked_at =
       static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
-  out.trial_rays = static_cast<std::uint64_t>(
-      (out.counts.samples + out.counts.sun_rays + out.counts.sky_rays + out.counts.path_rays) *
-      static_cast<double>(out.trial_pixels));
+  out.trial_rays = static_cast<std::uint64_t>(out.counts.rays() * static_cast<double>(out.trial_pixels));
   return true;
 }
 
@@ -383,7 +381,8 @@ void count_cost(Decision& decision, const plan::Plan& plan) {
   const Sampling& s = decision.sampling;
   PixelCounts& counts = decision.counts;
   counts = pixel_counts(plan, static_cast<double>(s.samples_u) * s.samples_v, s.directions);
-  for (double* count : {&counts.samples, &counts.sun_rays, &counts.sky_rays, &counts.path_rays, &counts.terms})
+  for (double* count :
+       {&counts.samples, &counts.sun_rays, &counts.sky_rays, &counts.paths, &counts.path_surfaces, &counts.terms})
     *count *= s.replicates;
   decision.s_per_megapixel = 1e6 * CostModel().seconds(counts);
   // A small image, which is soon rendered, is dear by no pixel.

@@ -3,7 +3,7 @@
 //   ray groups -> trace_primary -> make_surface -> trace_sun -> trace_sky -> shade -> (host bakes missing rows)
 //              -> resolve -> integrate_bands -> strip on the host
 //
-// Light between surfaces (trace_bounce, after trace_sky, only where it is asked for) joins in resolve, as rows of the
+// Light between surfaces (trace_bounce, after trace_sky, where the plan has it) joins in resolve, as rows of the
 // band table for the skeleton's wavelengths; so does light that the air scatters in from the ground around.
 #pragma once
 

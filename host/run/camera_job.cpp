@@ -77,8 +77,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   if (planning.renderer && (job.plan.sends_rays() || !planning.replay))
     load_programs();  // else the render loads its own
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
-  if (planning.renderer && planner::choose_bounces(*planning.renderer, simulation, instrument, job.plan))
-    load_programs();
+  if (planning.renderer && planner::choose_bounces(simulation, job.plan)) load_programs();
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation,

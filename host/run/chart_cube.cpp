@@ -16,6 +16,7 @@ namespace {
 
 /// Rays of one timed repeat: settings with more rays a pixel are timed on fewer pixels.
 constexpr double kTimedRays = 4e6;
+constexpr int kReferenceBounces = 16;  ///< at least, where there is light between surfaces
 
 /// The plan that lends the reference its grid and its ground: nothing fixed by hand, light between ground and air as
 /// the table allows.
@@ -53,8 +54,9 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   study::ConvergedSettings settings;
   settings.threads = services.threads;
   settings.grid = options.reference_grid;
-  if (subject.between_surfaces) settings.levels = std::max(simulation.bounces, scene::kMostChosenBounces);
   const plan::Plan finest = reference_plan(subject, job.table, view);
+  if (subject.between_surfaces && finest.sun_sources + finest.sky_components > 0)
+    settings.levels = std::max(simulation.bounces, kReferenceBounces);
   study::Kept kept;
   const study::Converged reference = study::kept_or(
       base::cache_folder("reference").string(),

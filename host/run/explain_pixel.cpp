@@ -14,6 +14,8 @@ namespace raycube::run {
 
 namespace {
 
+constexpr int kOrdersApart = 8;  ///< each takes a render of the pixel's group
+
 /// Kind, curve of the material (0: none), number.
 using Origin = std::tuple<LightKind, std::uint32_t, int>;
 
@@ -39,13 +41,14 @@ std::map<Origin, render::PixelTerms> by_origin(const plan::Plan& plan, const sce
   return parts;
 }
 
-/// Light between surfaces by the number of surfaces after the first; `whole`: of all.
+/// Light between surfaces by the number of surfaces after the first; `whole`: of all. The last is what is left.
 std::vector<std::vector<double>> by_order(const plan::Plan& plan, const std::vector<double>& whole,
                                           const std::function<std::vector<double>(int levels)>& up_to) {
   std::vector<std::vector<double>> orders;
   std::vector<double> before(whole.size(), 0.0);
-  for (int level = 1; level <= plan.bounces.levels; ++level) {
-    const std::vector<double> here = level == plan.bounces.levels ? whole : up_to(level);
+  const int last = std::min(plan.bounces.levels, kOrdersApart + 1);
+  for (int level = 1; level <= last; ++level) {
+    const std::vector<double> here = level == last ? whole : up_to(level);
     orders.push_back(here);
     for (std::size_t b = 0; b < here.size(); ++b) orders.back()[b] -= before[b];
     before = here;
@@ -76,10 +79,11 @@ PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& s
       };
       int order = 0;
       for (auto& light : by_order(job.plan, light_of(terms), up_to))
-        out.light.push_back({kind, ++order, {}, false, std::move(light)});
+        out.light.push_back({kind, ++order, {}, false, false, std::move(light)});
+      out.light.back().and_more = job.plan.bounces.levels > order;
       continue;
     }
-    PixelPart light{kind, number, {}, false, light_of(terms)};
+    PixelPart light{kind, number, {}, false, false, light_of(terms)};
     if (curve > 0) {
       light.material = scene.materials[scene::material_of_curve(scene, curve)].name;
       light.through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;

@@ -20,6 +20,7 @@ struct PixelPart {
   int number = 0;  ///< of a sky's component, from 1; between surfaces: of surfaces after the first that it has met
   std::string material;          ///< what scattered or emitted it last; empty: none, or several
   bool through = false;          ///< it came through that material
+  bool and_more = false;         ///< of that number of surfaces and of more
   std::vector<double> radiance;  ///< [band]
 };
 
@@ -32,8 +33,8 @@ struct PixelBudget {
 
 /// The pixel as render makes it, means of replicates and samples for small objects included. A sky's components after
 /// its first are differences from that one's colour, and may be negative. Light between surfaces is told apart by
-/// rendering the same paths to one surface, to two, and so on. Sums are of doubles, those of render of floats: they
-/// differ by some 1e-7, with light between surfaces by some 1e-6.
+/// rendering the same paths to one surface, to two, and so on to eight; what came by more is one part. Sums are of
+/// doubles, those of render of floats: they differ by some 1e-7, with light between surfaces by some 1e-6.
 PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& simulation, const CameraJob& job,
                           int line, int sample);
 

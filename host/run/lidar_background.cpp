@@ -10,7 +10,6 @@
 
 #include "host/base/planck.h"
 #include "host/base/units.h"
-#include "host/planner/bounce_level.h"
 #include "host/run/camera_job.h"
 #include "host/render/lidar_owners.h"
 #include "host/render/renderer.h"
@@ -77,6 +76,7 @@ scene::Instrument background_camera(const lidar::LidarPlan& plan, std::span<cons
   camera.ifov_along_rad = camera.ifov_across_rad =
       array ? receiver.pixel_pitch_rad : std::sqrt(std::numbers::pi) * std::max(receiver.half_fov_rad, 1e-9);
   camera.samples_u = camera.samples_v = 3;
+  camera.auto_bounces = false;
   for (const std::size_t l : ascending_lines(plan.lidar)) {
     scene::Band band;
     band.center_um = plan.lidar.pulse.lines[l].wavelength_um;
@@ -96,8 +96,7 @@ struct LidarBackground::State {
   std::vector<std::size_t> order;  ///< of the camera's bands: the plan's lines
 
   std::vector<float> radiance(const scene::Instrument& camera) {
-    CameraJob job = prepare_camera(simulation, camera, services);
-    planner::choose_bounces(renderer, simulation, camera, job.plan);
+    const CameraJob job = prepare_camera(simulation, camera, services);
     std::vector<float> out;
     renderer.render(camera, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
       out.insert(out.end(), strip.radiance,

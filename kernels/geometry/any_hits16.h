@@ -59,12 +59,18 @@ __attribute__((noinline)) static uint rc_any_hits16(SceneArrays scene, const Ray
   return hidden;
 }
 
-/* The same of the first `count` rays, 1 to 16; the others are overwritten. */
+/* The same of the rays `live`, one at least; the others are overwritten. */
+static inline uint rc_hidden_of(SceneArrays scene, Rays16* rays, uint live, uint ground, uint clear) {
+  const uint k = rc_lowest(live);
+  for (uint other = ~live & 0xffffu; other; other &= other - 1u)
+    rc_put_ray(rays, rc_lowest(other), (float4)(rays->x[k], rays->y[k], rays->z[k], 0.0f),
+               (float4)(rays->dx[k], rays->dy[k], rays->dz[k], 0.0f));
+  return rc_any_hits16(scene, rays, live, ground, clear);
+}
+
+/* The same of the first `count` rays, 1 to 16. */
 static inline uint rc_first_hidden(SceneArrays scene, Rays16* rays, uint count, uint ground, uint clear) {
-  for (uint k = count; k < 16u; ++k)
-    rc_put_ray(rays, k, (float4)(rays->x[0], rays->y[0], rays->z[0], 0.0f),
-               (float4)(rays->dx[0], rays->dy[0], rays->dz[0], 0.0f));
-  return rc_any_hits16(scene, rays, (1u << count) - 1u, ground, clear);
+  return rc_hidden_of(scene, rays, (1u << count) - 1u, ground, clear);
 }
 
 #endif

@@ -14,7 +14,6 @@
 #include "kernels/geometry/surface_point.h"
 #include "kernels/geometry/triangle.h"
 
-#define RC_LEAF 0x80000000u /* stack entry: a block, not a node */
 #define RC_MAX_PLANES 5
 
 /* A point p of the frame belongs to the region when n . (p - origin) + k >= 0 for every plane (n, k). */

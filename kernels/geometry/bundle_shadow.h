@@ -98,7 +98,7 @@ static inline float4 rc_row_of(float4 e, float4 w0, float4 w1, float4 w2) {
  * 16 ulp of the vertex, 10 of the point. In another frame the centre's and the point's maps (4 roundings each of sums
  * of absolute products), mapped back, and both matrices' own rounding come on top: 12 ulp of those sums; and the
  * vertex's error is multiplied by the matrices' condition. `extent` (m) bounds the mesh across the direction: the
- * single-ray test lets in rays within 4.3 ulp of a triangle's longest edge (ray_trace.h), which the planes must hold
+ * single-ray test lets in rays within 4.3 ulp of a triangle's longest edge (box_ray.h), which the planes must hold
  * too: 8 ulp. */
 __attribute__((noinline)) static void rc_frame_bundle(const Points* points, const Cluster* cluster,
                                                       global const Instance* placed, float extent, ShadowFrame* frame,

@@ -139,7 +139,7 @@ static inline void rc_frame_group(SceneArrays scene, uint root, GroupFrame* fram
   if (frame->map.ahead > 0.0f) frame->map.near_slack = 64.0f * RC_ULP * (frame->map.near_0 / frame->map.ahead + depth);
   frame->map.error_growth = 32.0f * RC_ULP * growth;
   frame->map.error_square = 32.0f * RC_ULP * rc_sum3(rc_sum_products(frame->map.z, span));
-  /* A thousandth of a pixel for the single-ray test, which lets in rays within 1.5 ulp of a long edge (ray_trace.h). */
+  /* A thousandth of a pixel for the single-ray test, which lets in rays within 1.5 ulp of a long edge (box_ray.h). */
   const float edge_a = half_a + 2.0f * frame->map.error + 1e-3f, edge_b = half_b + 2.0f * frame->map.error + 1e-3f;
   cull->ox = frame->rays.origin.x;
   cull->oy = frame->rays.origin.y;

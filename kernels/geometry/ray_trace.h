@@ -2,58 +2,13 @@
 #ifndef RAYCUBE_KERNELS_GEOMETRY_RAY_TRACE_H
 #define RAYCUBE_KERNELS_GEOMETRY_RAY_TRACE_H
 
-#include "kernels/geometry/scene_arrays.h"
-#include "kernels/geometry/triangle.h"
+#include "kernels/geometry/box_ray.h"
 #include "kernels/geometry/user_order.h"
 
 typedef struct Hit {
   float t; /* in units of the direction's length; INFINITY: none */
   uint instance, primitive;
 } Hit;
-
-/* How far outside a box, in ulp of M = the tree's reach plus the largest coordinate of the ray's origin, a ray may pass
- * and still be given a hit by rc_hit_block, plus what the box test itself rounds. In a mesh's frame, at the depth of
- * the hit:
- *   6   the sheared corners: difference 1, quotient of the shear 1, its product and sum 3 (the shear is at most 1),
- *   less the offset 1;
- *   24  edge functions: two products that round to one number count as zero, so a ray is inside while no farther from
- *   an edge
- *       than 2 ulp |b| |c| / |b - c|: for the longest edge E of a triangle around it at most 1.4 E, E at most 5.7 M,
- *       and three times that beyond a corner (half as much again where two edges meet at right angles, less at
- *       slivers);
- *   5   here: origin plus offset 1, plus slack 1, difference 1, inverse 1, product 1.
- * 34, doubled. Slack moves the ray's origin, not every box, so that a box costs no operation more, and being absolute
- * it holds where a ray runs in a face or starts there: a share of the distance is nothing at distance 0. A direction
- * component of zero has the inverse 1e18: inside the slab by the slack, its interval is -+6e-8 M 1e18, longer than any
- * scene. Rounding is monotone and child boxes lie inside their parents, so a ray that meets a leaf's box meets all
- * above it. In the scene's frame the slack of a mesh comes back through a rotation and scale (|W| |L| <= 3), with the
- * map of the origin (4) and of the direction (3): 3 (64 + 7) = 213; the boxes there carry the rounding of both matrices
- * already. Not covered: a triangle seen edge-on, narrower on the shear plane than its rounding. Its edge functions are
- * all rounding, and may let a ray in anywhere on the triangle's extension. Nor is a sliver behind the origin whose
- * normal, all rounding too, tells that it lies ahead (rc_ahead16). There a bundle and a single ray can differ: 1 of 73
- * 728 shadow rays aimed at lines of 30 m x
- * 5 cm in tilted planes, from anywhere between 1e-7 and 8000 m off. */
-#define RC_MESH_SLACK 64.0f
-#define RC_WORLD_SLACK 256.0f
-
-/* Sets the origins that box tests use. */
-static inline void rc_slacken(Ray* ray, float reach, float ulps) {
-  const float4 start = ray->origin + ray->offset, size = fabs(ray->origin) + fabs(ray->offset);
-  const float4 slack = (float4)(ulps * RC_ULP * (reach + fmax(size.x, fmax(size.y, size.z))));
-  ray->lo_origin = start + slack;
-  ray->hi_origin = start - slack;
-}
-
-/* Boxes of a node that the ray meets, within its slack, at a distance below t_max. */
-static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max) {
-  const float4 lo = ray.lo_origin, hi = ray.hi_origin;
-  const float8 x0 = (vload8(0, node->lo_x) - lo.x) * ray.inverse.x, x1 = (vload8(0, node->hi_x) - hi.x) * ray.inverse.x;
-  const float8 y0 = (vload8(0, node->lo_y) - lo.y) * ray.inverse.y, y1 = (vload8(0, node->hi_y) - hi.y) * ray.inverse.y;
-  const float8 z0 = (vload8(0, node->lo_z) - lo.z) * ray.inverse.z, z1 = (vload8(0, node->hi_z) - hi.z) * ray.inverse.z;
-  const float8 enter = rc_max8(rc_max8(rc_min8(x0, x1), rc_min8(y0, y1)), rc_max8(rc_min8(z0, z1), 0.0f));
-  const float8 leave = rc_min8(rc_min8(rc_max8(x0, x1), rc_max8(y0, y1)), rc_max8(z0, z1));
-  return rc_mask8((enter <= leave) & (enter <= t_max * 1.0000008f)) & ((1u << node->count) - 1u);
-}
 
 /* Keeps the smallest t, of equal ones that which goes before by the user's order; ties are told by 1 / t, as a bundle
  * that starts at the sensor keeps it. */
@@ -73,9 +28,30 @@ static inline void rc_take_closest(SceneArrays scene, Hit* hit, uint instance, u
   }
 }
 
+/* Puts the children that a ray meets no farther than `limit` onto the stack, the nearest topmost: above, as bits, where
+ * the ray comes to the box, at 0 or beyond; below, the child. As whole numbers they are in the order of that distance.
+ * What comes to be hit does not depend on their order; how soon boxes lie beyond it does. */
+RC_ALWAYS static inline uint rc_push_met(global const BvhNode* node, const BoxRay* boxes, float limit, ulong* stack,
+                                         uint top) {
+  const float8 enter = rc_box_enter(node, boxes);
+  float at[8];
+  vstore8(enter, 0, at);
+  uint met = rc_mask8(enter <= rc_min8(rc_box_leave(node, boxes), (float8)(limit))) & ((1u << node->count) - 1u);
+  for (const uint first = top; met; met &= met - 1u) {
+    const uint slot = rc_lowest(met), child = node->child[slot] | (node->leaf_mask >> slot & 1u ? RC_LEAF : 0u);
+    const ulong entry = (ulong)as_uint(at[slot]) << 32 | child;
+    uint k = top++;
+    for (; k > first && stack[k - 1u] < entry; --k) stack[k] = stack[k - 1u];
+    stack[k] = entry;
+  }
+  return top;
+}
+
+/* A box at the distance of what is hit may hold a hit as near: what the test of boxes rounds, and some. */
+static inline float rc_limit_of(const Hit* hit) { return hit->t * 1.0000008f; }
+
 /* The ray through one placed tree. The stack is used from `base` upwards. */
-static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base,
-                                     Hit* hit) {
+static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, ulong* stack, uint base, Hit* hit) {
   global const Instance* placed = rc_instance(scene, instance);
   Ray ray = world;
   if (!(placed->flags & 1u)) {
@@ -83,27 +59,24 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
     ray = rc_make_ray(rc_map_point(r0, r1, r2, world.origin), rc_map_vector(r0, r1, r2, world.direction));
     if (RC_OFFSETS) ray.offset = rc_map_vector(r0, r1, r2, world.offset);
   }
-  rc_slacken(&ray, rc_node(scene, placed->root)->reach, RC_MESH_SLACK);
-  uint top = base;
-  stack[top++] = placed->root;
+  const BoxRay boxes = rc_box_ray(ray, rc_node(scene, placed->root)->reach, RC_MESH_SLACK);
+  uint top = rc_push_met(rc_node(scene, placed->root), &boxes, rc_limit_of(hit), stack, base);
   while (top > base) {
-    global const BvhNode* node = rc_node(scene, stack[--top]);
-    uint boxes = rc_ray_boxes(ray, node, hit->t);
-    while (boxes) {
-      const uint slot = rc_lowest(boxes), child = node->child[slot];
-      boxes &= boxes - 1u;
-      if (!(node->leaf_mask >> slot & 1u)) {
-        stack[top++] = child;
-        continue;
-      }
-      float16 t;
-      const uint lanes = rc_hit_block(ray, RC_OFFSETS, rc_block(scene, child), &t);
-      if (lanes) rc_take_closest(scene, hit, instance, child, lanes, t);
+    const ulong next = stack[--top];
+    if (as_float((uint)(next >> 32)) > rc_limit_of(hit)) continue;
+    const uint child = (uint)next & ~RC_LEAF;
+    if (!((uint)next & RC_LEAF)) {
+      top = rc_push_met(rc_node(scene, child), &boxes, rc_limit_of(hit), stack, top);
+      continue;
     }
+    float16 t;
+    const uint lanes = rc_hit_block(ray, RC_OFFSETS, rc_block(scene, child), &t);
+    if (lanes) rc_take_closest(scene, hit, instance, child, lanes, t);
   }
 }
 
-/* Not inlined, for compile time; unused where all rays go in bundles. The offset counts where RC_OFFSETS is set. */
+/* Not inlined, for compile time; unused where all rays go in bundles. The offset counts where RC_OFFSETS is set. Leaves
+ * of the top tree are instances; each is traced to its end before the next. */
 __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, float4 origin, float4 offset,
                                                            float4 direction) {
   Hit hit;
@@ -112,24 +85,17 @@ __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, fl
   hit.primitive = RC_NONE;
   Ray world = rc_make_ray(origin, direction);
   if (RC_OFFSETS) world.offset = offset;
-  rc_slacken(&world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
-  uint stack[RC_STACK];
-  uint top = 1;
-  stack[0] = 0;
+  const BoxRay boxes = rc_box_ray(world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
+  ulong stack[RC_STACK];
+  uint top = rc_push_met(rc_node(scene, 0u), &boxes, rc_limit_of(&hit), stack, 0u);
   while (top) {
-    global const BvhNode* node = rc_node(scene, stack[--top]);
-    uint boxes = rc_ray_boxes(world, node, hit.t);
-    uint leaves = boxes & node->leaf_mask;
-    boxes &= ~node->leaf_mask;
-    while (boxes) {
-      stack[top++] = node->child[rc_lowest(boxes)];
-      boxes &= boxes - 1u;
-    }
-    while (leaves) { /* leaves of the top tree are instances; each is traced to its end before the next */
-      const uint instance = node->child[rc_lowest(leaves)];
-      leaves &= leaves - 1u;
-      rc_trace_instance(scene, instance, world, stack, top, &hit);
-    }
+    const ulong next = stack[--top];
+    if (as_float((uint)(next >> 32)) > rc_limit_of(&hit)) continue;
+    const uint child = (uint)next & ~RC_LEAF;
+    if ((uint)next & RC_LEAF)
+      rc_trace_instance(scene, child, world, stack, top, &hit);
+    else
+      top = rc_push_met(rc_node(scene, child), &boxes, rc_limit_of(&hit), stack, top);
   }
   return hit;
 }

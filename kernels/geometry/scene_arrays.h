@@ -82,6 +82,8 @@ typedef struct SceneArrays {
 #define RC_GATHER_INSTANCES(scene) RC_JOIN(RC_GATHER_, RC_INSTANCE_PAGES)(scene, instances)
 #define RC_GATHER_SURFACES(scene) RC_JOIN(RC_GATHER_, RC_SURFACE_PAGES)(scene, surfaces)
 
+#define RC_LEAF 0x80000000u /* of a child on a stack: a block or an instance, not a node */
+
 /* Place of an element in its page. */
 static inline uint rc_page_offset(uint index, uint shift) { return index & ((1u << shift) - 1u); }
 

@@ -88,7 +88,7 @@ __attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint roo
 }
 
 /* The live points whose rays meet a box of the top tree grown by `slack` (m), and their number. The test of
- * rc_ray_boxes. */
+ * rc_boxes_met. */
 static inline uint rc_rays_at_box(const Points* points, global const BvhNode* node, uint slot, float slack,
                                   ushort* met) {
   const float ix = rc_safe_inverse(points->towards.x), iy = rc_safe_inverse(points->towards.y),

@@ -4,46 +4,10 @@
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TREE_HIDES_H
 #define RAYCUBE_KERNELS_GEOMETRY_TREE_HIDES_H
 
-#include "kernels/geometry/ray_trace.h"
-
-/* A ray as box tests read it: a side at s is met at the distance s * inverse + start, rounded as often as
- * (s - origin) * inverse, for which RC_MESH_SLACK counts. */
-typedef struct BoxRay {
-  float4 inverse, near, far; /* near, far: starts of near and far sides, -inverse times the origin moved by the slack */
-  uint x, y, z; /* of the near sides: floats into a node; the far ones lie 24 further or nearer */
-} BoxRay;
+#include "kernels/geometry/box_ray.h"
 
 /* Words of a stack past RC_STACK: rc_pack8 writes eight at a time, and rc_any_hit sets one node aside. */
 #define RC_STACK_SPARE 9
-
-static inline BoxRay rc_box_ray(Ray ray, float reach, float ulps) {
-  BoxRay out;
-  rc_slacken(&ray, reach, ulps);
-  out.near = -ray.inverse * select(ray.hi_origin, ray.lo_origin, ray.inverse >= 0.0f);
-  out.far = -ray.inverse * select(ray.lo_origin, ray.hi_origin, ray.inverse >= 0.0f);
-  out.inverse = ray.inverse;
-  out.x = ray.inverse.x < 0.0f ? 24u : 0u;
-  out.y = ray.inverse.y < 0.0f ? 32u : 8u;
-  out.z = ray.inverse.z < 0.0f ? 40u : 16u;
-  return out;
-}
-
-static inline float8 rc_box_side(global const float* sides, float inverse, float start) {
-  return fma(vload8(0, sides), (float8)(inverse), (float8)(start));
-}
-
-/* Children whose boxes the ray meets nearer than `limit`, which compilers fold away where it is INFINITY. */
-RC_ALWAYS static inline uint rc_boxes_met(global const BvhNode* node, const BoxRay* ray, float limit) {
-  global const float* at = (global const float*)node;
-  const float8 enter = rc_max8(rc_max8(rc_box_side(at + ray->x, ray->inverse.x, ray->near.x),
-                                       rc_box_side(at + ray->y, ray->inverse.y, ray->near.y)),
-                               rc_max8(rc_box_side(at + ray->z, ray->inverse.z, ray->near.z), 0.0f));
-  float8 leave = rc_min8(rc_min8(rc_box_side(at + 24u - ray->x, ray->inverse.x, ray->far.x),
-                                 rc_box_side(at + 40u - ray->y, ray->inverse.y, ray->far.y)),
-                         rc_box_side(at + 56u - ray->z, ray->inverse.z, ray->far.z));
-  if (limit < INFINITY) leave = rc_min8(leave, (float8)(limit));
-  return rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
-}
 
 /* The node to go on with: of the children in `inner` that of the highest slot, the others go onto the stack; with none,
  * what lies topmost there. A child goes from node to node without the stack, whose way through memory each node would

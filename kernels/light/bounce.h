@@ -28,6 +28,13 @@ typedef struct PathTables {
   uint sun_up, levels, seed;
 } PathTables;
 
+/* Where the paths' rays ended. */
+typedef struct Ends16 {
+  float front[3][16], back[3][16]; /* m, scene frame: off the surface on the side that the ray came from, and beyond */
+  float normal[3][16];             /* unit, to the side that the ray came from */
+  uint instance[16], primitive[16], surface[16];
+} RC_LINE Ends16;
+
 typedef struct Paths16 {
   Rays16 rays;
   float carried[16][RC_SKELETON];
@@ -37,14 +44,9 @@ typedef struct Paths16 {
   uint pixel[16], part[16];  /* of the group; part of its samples */
   uint number[16], path[16]; /* of the pixel in the image, of the path in the pixel: for draws */
   uint count;
+  uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
+  Ends16 ends;
 } RC_LINE Paths16;
-
-/* Where the paths' rays ended. */
-typedef struct Ends16 {
-  float front[3][16], back[3][16]; /* m, scene frame: off the surface on the side that the ray came from, and beyond */
-  float normal[3][16];             /* unit, to the side that the ray came from */
-  uint instance[16], primitive[16], surface[16];
-} RC_LINE Ends16;
 
 static inline void rc_store3(Vector16 v, float to[3][16]) {
   rc_store16(v.x, 0, to[0]);
@@ -84,8 +86,9 @@ static inline float rc_shape_factor(const PathTables* t, uint surface, float4 no
   return 1.0f;
 }
 
-static inline float rc_path_draw(const PathTables* t, const Paths16* paths, uint k, uint level, uint what) {
-  return rc_unit_float(rc_hash(t->seed, paths->number[k], (paths->path[k] << 8) + level, RC_PATH_DIMENSION + what));
+/* number: of the pixel in the image; path: in the pixel. */
+static inline float rc_path_draw(const PathTables* t, uint number, uint path, uint level, uint what) {
+  return rc_unit_float(rc_hash(t->seed, number, (path << 8) + level, RC_PATH_DIMENSION + what));
 }
 
 /* The next three are not inlined: made into one function with rc_follow, PoCL 3.1 (LLVM 15) builds a kernel that does
@@ -185,22 +188,22 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
                                                Ends16* ends, Paths16* paths) {
   uint on = 0;
   for (; live; live &= live - 1u) {
-    const uint k = rc_lowest(live), surface = ends->surface[k];
+    const uint k = rc_lowest(live), surface = ends->surface[k], number = paths->number[k], path = paths->path[k];
     const float near = t->scattering[surface].x;
-    const bool through = rc_path_draw(t, paths, k, level, 0u) >= near;
+    const bool through = rc_path_draw(t, number, path, level, 0u) >= near;
     float chance = through ? 1.0f - near : near;
     paths->reach[k] *= t->scattering[surface].y;
     if (level > 1u) {
       const float goes_on = fmin(1.0f, paths->reach[k]);
-      if (rc_path_draw(t, paths, k, level, 1u) >= goes_on) continue;
+      if (rc_path_draw(t, number, path, level, 1u) >= goes_on) continue;
       chance *= goes_on;
       paths->reach[k] /= goes_on;
     }
     const float4 seen = rc_lane_of(ends->normal, k), normal = through ? -seen : seen;
     float c, s;
     float x, y, z;
-    rc_turn(rc_path_draw(t, paths, k, level, 3u), &c, &s);
-    rc_about(normal.x, normal.y, normal.z, sqrt(1.0f - rc_path_draw(t, paths, k, level, 2u)), c, s, &x, &y, &z);
+    rc_turn(rc_path_draw(t, number, path, level, 3u), &c, &s);
+    rc_about(normal.x, normal.y, normal.z, sqrt(1.0f - rc_path_draw(t, number, path, level, 2u)), c, s, &x, &y, &z);
     const float4 way = (float4)(x, y, z, 0.0f);
     const float shaped = through ? 1.0f : rc_shape_factor(t, surface, seen, way, -rc_way_of(&paths->rays, k));
     rc_carry_on(scene, t, surface, through ? 1u : 0u, shaped / chance, paths->carried[k], paths->carried[k]);
@@ -210,29 +213,35 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
   return on;
 }
 
-/* Follows the paths to their ends, t->levels surfaces after the first at most; then their gains are whole. */
+/* Whether a path's ray meets a surface, which is then its end. */
+__attribute__((noinline)) static bool rc_meets(SceneArrays scene, Paths16* paths, uint k) {
+  const Hit hit = rc_trace_ray(scene, (float4)(paths->rays.x[k], paths->rays.y[k], paths->rays.z[k], 0.0f),
+                               rc_way_of(&paths->rays, k));
+  paths->ends.instance[k] = hit.instance, paths->ends.primitive[k] = hit.primitive;
+  return hit.instance != RC_NONE;
+}
+
+/* Follows the paths from where their first rays ended, t->levels surfaces after the first at most; then their gains are
+ * whole. */
 static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* paths) {
-  uint live = (1u << paths->count) - 1u;
-  Ends16 ends;
+  uint live = paths->live;
+  Ends16* ends = &paths->ends;
   for (uint level = 1; live; ++level) {
-    for (uint left = live; left; left &= left - 1u) {
+    for (uint left = level > 1u ? live : 0u; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
-      const Hit hit = rc_trace_ray(scene, (float4)(paths->rays.x[k], paths->rays.y[k], paths->rays.z[k], 0.0f),
-                                   rc_way_of(&paths->rays, k));
-      ends.instance[k] = hit.instance, ends.primitive[k] = hit.primitive;
-      if (hit.instance != RC_NONE) continue;
+      if (rc_meets(scene, paths, k)) continue;
       live &= ~(1u << k);
-      if (!(paths->rays.dz[k] > 0.0f))
+      if (paths->rays.dz[k] > 0.0f)
+        rc_gain_sky(t, k, paths);
+      else
         rc_gain_ground(t, k, paths);
-      else if (level > 1u)
-        rc_gain_sky(t, k, paths); /* else it is light scattered once */
     }
     if (!live) return;
-    rc_stand(scene, t, &paths->rays, live, &ends);
+    rc_stand(scene, t, &paths->rays, live, ends);
 #if RC_SUN
-    if (t->sun_up) rc_gain_sun(scene, t, live, &ends, paths);
+    if (t->sun_up) rc_gain_sun(scene, t, live, ends, paths);
 #endif
-    live = rc_go_on(scene, t, live, level, &ends, paths);
+    live = rc_go_on(scene, t, live, level, ends, paths);
     if (level < t->levels) continue;
     Rays16 rays;
     uint of[16], count = 0;

@@ -94,6 +94,7 @@
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
+  RC_SKYLINE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   RC_SKY_MAP_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_float4, sun_direction) NEXT() \
   VALUE(rc_uint, sun_up) NEXT() \

@@ -170,6 +170,7 @@ def scene(folder, name, *, head="", air='{ model = "none" }', pixels=24, lines=1
     m."""
     path = pathlib.Path(folder) / name
     path.write_text(f"""format = 1
+bounces = 0
 {head}
 material = [
   {{ name = "dark", reflectance = 0.10 }},

@@ -98,6 +98,14 @@ def check_orders(folder, text, pixel):
         check(numpy.allclose(of(told[1], kind), of(told[3], kind), rtol=1e-5, atol=1e-12), kind)
 
 
+def check_default(file, pixel):
+    """Of a file that says nothing of bounces eight orders are told apart, and what is left is one more."""
+    lights = [x for x in explain(file, pixel)["light"] if x["kind"] == "between_surfaces"]
+    check([x["number"] for x in lights] == list(range(1, 10)), [x["number"] for x in lights])
+    check([x.get("and_more", False) for x in lights] == [False] * 8 + [True])
+    check(lights[0]["radiance"].sum() > lights[-1]["radiance"].sum() >= 0)
+
+
 def check_replicates(folder, text):
     """A pixel that is the mean of several renders."""
     file = folder / "asked.toml"
@@ -119,8 +127,11 @@ def check_refusals(file):
 def main(folder):
     run("new", folder / "first")
     file = folder / "first" / "first.toml"
-    dark = check_once(file, folder / "once")
-    check_linear(file.parent, file.read_text())
+    once = file.with_name("once.toml")
+    once.write_text(file.read_text().replace("format = 1", "format = 1\nbounces = 0"))
+    dark = check_once(once, folder / "once")
+    check_linear(file.parent, once.read_text())
+    check_default(file, dark)
     check_orders(file.parent, file.read_text(), dark)
     check_replicates(file.parent, file.read_text())
     check_refusals(file)

@@ -31,6 +31,7 @@ folder, write = pathlib.Path(sys.argv[2]), "--write" in sys.argv[3:]
 WORLD = """format = 1
 seed = 11
 tolerance = {tolerance}
+bounces = {bounces}
 {head}
 material = [
   {{ name = "soil", reflectance = 0.20, temperature_K = 300.0 }},
@@ -72,6 +73,7 @@ bands = {{ {bands} }}
 FRAME = "altitude_agl_m = 200.0\ngsd_m = 1.1\nheading_deg = 30.0\nroll_deg = 1.0"
 DEFAULTS = dict(
     tolerance=0.02,
+    bounces=0,
     head="sky_directions = 12",
     more="",
     plane="",

@@ -1,4 +1,5 @@
-// How many surfaces light comes by, chosen by a trial: against the series of two half planes that see each other.
+// Whether light goes between surfaces, by a look at what they see: against the series of two half planes that see each
+// other.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 
 #include "atmos_tables/synthetic.h"
 #include "host/planner/bounce_level.h"
+#include "host/planner/cost_model.h"
+#include "host/planner/open_share.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
 
@@ -14,20 +17,19 @@ using namespace raycube;
 
 namespace {
 
-constexpr double kSunIrradiance = 1500, kSkyRadiance = 30, kFar_m = 2e4, kZenith_deg = 40;
-constexpr double kReflectance = 0.9;
+constexpr double kSunIrradiance = 1500, kSkyRadiance = 30, kFar_m = 2e4;
 
 /// Endless ground, with an endless wall of the same matter west of it or none; seen from above 2 to 3 m before it.
-scene::Simulation corner(bool wall, double tolerance) {
+scene::Simulation corner(bool wall, double reflectance, double tolerance, double zenith_deg = 40) {
   scene::Simulation s;
   s.file = "corner.toml";
-  const auto grey = test::add_material(s.scene, "grey", kReflectance);
+  const auto grey = test::add_material(s.scene, "grey", reflectance);
   test::place(s.scene, test::rectangle({0, -kFar_m, 0}, {kFar_m, 0, 0}, {0, 2 * kFar_m, 0}, grey));
   if (wall) test::place(s.scene, test::rectangle({0, -kFar_m, 0}, {0, 2 * kFar_m, 0}, {0, 0, kFar_m}, grey));
   finish_top_tree(s.scene);
   s.tolerance = tolerance;
   s.bounces = scene::kMostChosenBounces, s.bounces_given = false;
-  s.sun.zenith_deg = kZenith_deg, s.sun.azimuth_deg = 90;
+  s.sun.zenith_deg = zenith_deg, s.sun.azimuth_deg = 90;
   auto camera = test::nadir_camera(24, 24, 20, 0.04, 2.5, 0);
   camera.bands = test::gaussian_bands({0.5, 0.7}, 0.01);
   s.instruments = {camera};
@@ -47,52 +49,77 @@ Chosen choose(const scene::Simulation& s) {
   Chosen out{plan::make_plan(s, s.instruments[0], table, sensors::view_bounds(s.instruments[0])), 0};
   out.before = out.plan.report.total_error;
   render::Renderer renderer(s.scene, {});
-  planner::choose_bounces(renderer, s, s.instruments[0], out.plan);
+  planner::measure_open_share(renderer, s, s.instruments[0], out.plan);
+  const bool dropped = planner::choose_bounces(s, out.plan);
+  CHECK(dropped == (!s.bounces_given && !out.plan.bounces.any()));
   return out;
 }
 
-/// Radiosity of the ground by light of at most `levels` more surfaces: either plane sees the other in half of its
-/// hemisphere (the corner of render_bounces_test.cpp).
-double seen(int levels) {
-  const double angle = kZenith_deg * std::numbers::pi / 180, sky = std::numbers::pi * kSkyRadiance / 2;
-  double ground = kReflectance * (kSunIrradiance * std::cos(angle) + sky),
-         wall = kReflectance * (kSunIrradiance * std::sin(angle) + sky), sum = ground;
-  for (int level = 0; level < levels; ++level) {
-    const double next = kReflectance * wall / 2;
-    wall = kReflectance * ground / 2, ground = next;
+/// What light scattered once misses of all light of the ground: either plane sees the other in half of its hemisphere
+/// (the corner of render_bounces_test.cpp).
+double once_missed(double reflectance, double zenith_deg) {
+  const double angle = zenith_deg * std::numbers::pi / 180, sky = std::numbers::pi * kSkyRadiance / 2;
+  double ground = reflectance * (kSunIrradiance * std::cos(angle) + sky),
+         wall = reflectance * (kSunIrradiance * std::sin(angle) + sky), sum = ground;
+  const double once = ground;
+  for (int level = 0; level < 400; ++level) {
+    const double next = reflectance * wall / 2;
+    wall = reflectance * ground / 2, ground = next;
     sum += ground;
   }
-  return sum;
+  return 1 - once / sum;
 }
-double missed(int levels) { return 1 - seen(levels) / seen(400); }
+
+/// Of a share of half, as 256 pixels of 16 rays at least know it, 4 standard errors.
+constexpr double kNoise = 4 * 0.5 / 64;
 
 }  // namespace
 
-TEST_CASE("bounces = auto: levels are the fewest whose series leaves out less than a tenth of the tolerance") {
-  // Missed by 0, 1, 2, 4, 8 and 16 levels: 0.42, 0.20, 0.086, 0.017, 7.1e-4 and 1.2e-6; a trial of 8192 paths knows
-  // them to some percent: tolerances whose tenth is a factor of 1.5 from any.
-  for (const auto& [tolerance, levels] : {std::pair(1.5, 2), {0.4, 4}, {0.05, 8}, {0.002, 16}}) {
-    const Chosen chosen = choose(corner(true, tolerance));
+TEST_CASE("bounces = auto: where surfaces see each other paths keep the most surfaces that they may have") {
+  const Chosen chosen = choose(corner(true, 0.9, 0.01));
+  CHECK(chosen.plan.bounces.levels == scene::kMostChosenBounces);
+  CHECK(chosen.plan.bounces.curve.size() > 0);
+  CHECK(chosen.plan.report.bounces.chosen);
+  CHECK(chosen.plan.report.bounces.missed < 1e-9);  // 0.45^64
+  CHECK(chosen.plan.report.total_error == doctest::Approx(chosen.before));
+  CHECK(chosen.plan.notices.empty());
+  const plan::SkyRays::Met& met = chosen.plan.sky.met;
+  CHECK(met.known);
+  CHECK(std::abs(met.mean - 0.5) < kNoise);
+  CHECK(std::abs(met.on - 0.5) < 2 * kNoise);
+  CHECK(std::abs(met.rms - 0.5) < 2 * kNoise);
+}
+
+TEST_CASE("bounces = auto: what light scattered once misses is told from above, and decides") {
+  struct Case {
+    double reflectance, zenith_deg, tolerance;
+    bool dropped;
+  };
+  for (const auto& [reflectance, zenith_deg, tolerance, dropped] : {Case{0.9, 40, 0.5, false},
+                                                                    {0.1, 40, 0.1, false},
+                                                                    {0.01, 40, 0.02, false},
+                                                                    {0.01, 40, 0.2, true},
+                                                                    {0.01, 80, 0.2, false}}) {
+    CAPTURE(reflectance);
+    CAPTURE(zenith_deg);
     CAPTURE(tolerance);
-    CHECK(chosen.plan.bounces.levels == levels);
+    const Chosen chosen = choose(corner(true, reflectance, tolerance, zenith_deg));
     const plan::BounceReport& report = chosen.plan.report.bounces;
-    CHECK(report.chosen);
-    // Two draws of 256 pixels by 16 paths, of which half meet the next surface, and whose light scatters by less than
-    // 1.5 of its mean: 4 standard errors; told in sixteenths of a tenth of the tolerance. Beyond four levels it is the
-    // series of the levels before: their ratio's error, twice and six times.
-    const auto known = [](int n) { return 4 * 1.5 / std::sqrt(8192 * std::pow(0.5, n)); };
-    const double step = 0.1 * tolerance / 32;
-    CHECK(std::abs(report.once_missed - missed(0)) < known(0) * missed(0) + step);
-    CHECK(std::abs(report.missed - missed(levels)) <
-          (levels > 4 ? levels / 4 : 1) * known(std::min(levels, 4)) * missed(levels) + step);
+    // Walls that face the sun are what it takes for: here they get 0.85 of the ground's light, and 0.65 of a sun's that
+    // they faced; at 0.9 every second of the orders goes by the ground.
+    const double truth = once_missed(reflectance, zenith_deg);
+    CHECK(report.once_missed > truth);
+    CHECK(report.once_missed < 2.6 * truth);
+    CHECK(chosen.plan.bounces.any() == !dropped);
+    if (!dropped) continue;
+    CHECK(report.missed == report.once_missed);
+    CHECK(report.missed <= 0.1 * tolerance);
     CHECK(chosen.plan.report.total_error == doctest::Approx(std::hypot(chosen.before, report.missed)));
-    CHECK(chosen.plan.bounces.curve.size() > 0);
-    CHECK(chosen.plan.notices.empty());
   }
 }
 
 TEST_CASE("bounces = auto: ground that sees nothing but sky has light scattered once") {
-  const Chosen chosen = choose(corner(false, 0.01));
+  const Chosen chosen = choose(corner(false, 0.9, 0.01));
   CHECK(chosen.plan.bounces.levels == 0);
   CHECK(!chosen.plan.bounces.any());
   CHECK(chosen.plan.report.bounces.chosen);
@@ -101,12 +128,11 @@ TEST_CASE("bounces = auto: ground that sees nothing but sky has light scattered 
 }
 
 TEST_CASE("bounces = auto: black matter among the scene's is none of its light's") {
-  auto s = corner(true, 0.4);
+  auto s = corner(true, 0.9, 0.4);
   const auto black = test::add_material(s.scene, "black", 0);
   test::place(s.scene, test::rectangle({1000, 1000, 1}, {1, 0, 0}, {0, 1, 0}, black));
   finish_top_tree(s.scene);
   const Chosen chosen = choose(s);
-  CHECK(chosen.plan.bounces.levels == 4);
   CHECK(chosen.plan.bounces.strength > 0.1);
   CHECK(chosen.plan.bounces.strength <= 1);
   CHECK(chosen.plan.bounces.error < 1e-6);
@@ -114,9 +140,19 @@ TEST_CASE("bounces = auto: black matter among the scene's is none of its light's
 }
 
 TEST_CASE("bounces = auto: what the file gives stays") {
-  auto s = corner(true, 0.01);
+  auto s = corner(true, 0.9, 0.01);
   s.bounces = 3, s.bounces_given = true;
   const Chosen chosen = choose(s);
   CHECK(chosen.plan.bounces.levels == 3);
   CHECK(!chosen.plan.report.bounces.chosen);
+}
+
+TEST_CASE("the cost model counts the surfaces that a path comes to") {
+  const Chosen chosen = choose(corner(true, 0.9, 0.01));
+  const planner::PixelCounts counts = planner::pixel_counts(chosen.plan, 64, 32);
+  CHECK(counts.paths == 32);
+  // From either plane half of the paths meet the other; from the third surface on 0.9^2, then 0.9 of them go on.
+  const double each = 0.5 + 0.25 + 0.25 * 0.81 * 0.5 / (1 - 0.9 * 0.5);
+  CHECK(counts.path_surfaces / counts.paths == doctest::Approx(each).epsilon(2 * kNoise / 0.5));
+  CHECK(counts.rays() == counts.samples + counts.sun_rays + counts.sky_rays + counts.paths + 2 * counts.path_surfaces);
 }
