@@ -34,8 +34,8 @@ bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan) {
   const double once_missed = std::min(1.0, met.rms * most / (facing * std::max(1 - each, 1e-3)));
   const double share = kMissedShare * plan.tolerance, missed = once_missed * std::pow(each, bounces.levels);
   const bool drop = once_missed <= share;
-  const double wavelengths = bounces.error * std::min(1.0, once_missed / std::max(bounces.strength, kNothing));
-  if (drop || (wavelengths <= bounces.share && bounces.amplified <= plan::kMostAmplified))
+  // What the wavelengths err by counts where surfaces are met.
+  if (drop || (bounces.error * met.mean <= bounces.share && bounces.amplified <= plan::kMostAmplified))
     std::erase_if(plan.notices, [](const auto& told) { return told.starts_with(plan::kBetweenSurfaces); });
   if (missed > share)
     plan.notices.push_back(

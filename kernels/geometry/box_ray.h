@@ -61,8 +61,8 @@ static inline float8 rc_box_side(global const float* sides, float inverse, float
   return fma(vload8(0, sides), (float8)(inverse), (float8)(start));
 }
 
-/* Where the ray comes to the boxes of a node's children, and where it leaves them: it meets those that it comes to before
- * it leaves them. */
+/* Where the ray comes to the boxes of a node's children, and where it leaves them: it meets those that it comes to
+ * before it leaves them. */
 RC_ALWAYS static inline float8 rc_box_enter(global const BvhNode* node, const BoxRay* ray) {
   global const float* at = (global const float*)node;
   return rc_max8(rc_max8(rc_box_side(at + ray->x, ray->inverse.x, ray->near.x),

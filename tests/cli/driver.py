@@ -165,12 +165,11 @@ bands = {{ file = "bands.csv" }}
     return path
 
 
-def scene(folder, name, *, head="", air='{ model = "none" }', pixels=24, lines=12, grid=3, instrument=""):
+def scene(folder, name, *, head="bounces = 0", air='{ model = "none" }', pixels=24, lines=12, grid=3, instrument=""):
     """Three grey strips (0.10, 0.45, 0.80) of 10 m side by side from west to east under the sun, seen from 500 m at 1
     m."""
     path = pathlib.Path(folder) / name
     path.write_text(f"""format = 1
-bounces = 0
 {head}
 material = [
   {{ name = "dark", reflectance = 0.10 }},
