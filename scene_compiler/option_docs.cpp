@@ -125,9 +125,10 @@ Json default_value(const KeySpec& spec) {
   switch (spec.type) {
     case KeyType::boolean:
     case KeyType::integer:
-    case KeyType::integer_or_word:
     case KeyType::number:
       return Json::parse(spec.fallback);
+    case KeyType::integer_or_word:
+      return spec.fallback == spec.shape ? Json(std::string(spec.fallback)) : Json::parse(spec.fallback);
     case KeyType::integers:
     case KeyType::numbers:
       return Json::parse("[" + std::string(spec.fallback) + "]");

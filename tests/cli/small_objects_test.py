@@ -217,7 +217,7 @@ with tempfile.TemporaryDirectory() as temporary:
     garden.write_text(
         garden.read_text()
         .replace("lattice = 34", "grid = [5, 5]")
-        .replace("format = 1\n", "format = 1\nplan = { height_nodes = 1 }\n", 1)
+        .replace("format = 1\n", "format = 1\nbounces = 0\nplan = { height_nodes = 1 }\n", 1)
     )
     run("render", garden, "-o", folder / "garden-out", "--seed", 4, "--overwrite")
     error = record(folder / "garden-out" / "camera")["error"]
