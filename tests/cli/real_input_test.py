@@ -29,6 +29,7 @@ kFirstPost = (475322.625829136 + 12.5, 5477800.390295740 - 12.5)
 
 def scene_text(air):
     return f"""format = 1
+bounces = 0
 scene = {{ origin = {{ epsg = 32632, easting_m = {kOrigin[0]}, northing_m = {kOrigin[1]} }} }}
 tolerance = 0.02
 material = [
