@@ -71,7 +71,7 @@ std::string write_large_park(const Settings& settings, const std::string& folder
   std::ifstream in(park);
   std::string text{std::istreambuf_iterator<char>(in), {}};
   for (const auto& [from, to] :
-       {std::pair<std::string, std::string>{"sky_directions = 121", "bounces = 0\nsky_directions = " + sky_directions},
+       {std::pair<std::string, std::string>{"sky_directions = 484", "bounces = 0\nsky_directions = " + sky_directions},
         {"gsd_m = 1.0\n", "gsd_m = 0.625\n"},
         {"pixels = 320", "pixels = 512"},
         {"lines = 320", "lines = 512"}}) {

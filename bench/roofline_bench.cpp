@@ -67,7 +67,7 @@ std::string small_park(const Settings& settings) {
   std::string toml = text.str();
   for (const auto& [from, to] : {std::pair{"pixels = 320", "pixels = 128"},
                                  {"lines = 320", "lines = 128"},
-                                 {"sky_directions = 121", "bounces = 0\nsky_directions = 20"}}) {
+                                 {"sky_directions = 484", "bounces = 0\nsky_directions = 20"}}) {
     const auto at = toml.find(from);
     if (at == std::string::npos)
       throw base::Error(base::Fault::input,

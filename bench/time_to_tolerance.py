@@ -6,6 +6,7 @@ picked by another hash than the planner's trial, of the difference from a conver
 band's mean, of the worst band; the reference's own error is taken off.
 """
 
+import functools
 import json
 import pathlib
 import re
@@ -56,7 +57,6 @@ def changed(file, name, samples, directions, tolerance):
     text = re.sub(r"(?m)^tolerance = .*$", f"tolerance = {tolerance}", file.read_text())
     text = re.sub(r"(?m)^sky_directions = .*$", f"sky_directions = {directions}" if directions else "", text)
     text = re.sub(r"(?m)^samples = .*$", samples or "", text)
-    text = text.replace("format = 1\n", "format = 1\nbounces = 0\n", 1)  # as the reference has it
     text = re.sub(r"(?m)^small_objects = .*$", "", text)  # which takes up to 16384 samples, whatever the tolerance
     out = file.with_name(f"{file.stem}_{name}.toml")
     out.write_text(text)
@@ -77,8 +77,25 @@ def scenes(work, program, park):
     }
 
 
+@functools.cache
+def knows_bounces(program):
+    keys = subprocess.run([program, "scene", "keys"], check=True, capture_output=True, text=True).stdout
+    return re.search(r"(?m)^\| `bounces` \| integer or word", keys) is not None
+
+
+def once_scattered(program, file):
+    """The file for a program whose light is to be scattered once, as that of every program before `bounces` was."""
+    text = re.sub(r"(?m)^bounces = .*\n", "", file.read_text())
+    if knows_bounces(program):
+        text = text.replace("format = 1\n", "format = 1\nbounces = 0\n", 1)
+    out = file.with_name(file.stem + "_once.toml")
+    out.write_text(text)
+    return out
+
+
 def render(program, file, instrument, out, *more):
     """run.json and the cube, [pixel][band]."""
+    file = once_scattered(program, file)
     subprocess.run(
         [program, "render", file, "--instrument", instrument, "-o", out, "--overwrite", "-q", "-q", *map(str, more)],
         check=True,

@@ -149,7 +149,7 @@ struct Simulation {
   std::uint64_t seed = 1;
   int sky_directions = kDefaultSkyDirections;  ///< of a pixel, shared out among its samples
   int bounces = 0;                             ///< surfaces that light may come by after the first
-  bool bounces_given = true;  ///< false: the planner chooses between that many and none (host/planner/bounce_level.h)
+  bool bounces_given = true;  ///< false: the planner chooses between that many and none (host/planner/bounce_choice.h)
   bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
   bool thermal_below_3um = true;  ///< false: bands below 3 um go without thermal light whatever it makes

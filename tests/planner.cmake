@@ -1,6 +1,6 @@
 raycube_test(planner_law SOURCES unit/planner_law_test.cpp LIBS raycube::planner LABELS fast)
-raycube_test(bounce_level SOURCES oracle/bounce_level_test.cpp LIBS raycube_render_support raycube::planner LABELS fast
-  device)
+raycube_test(bounce_choice SOURCES oracle/bounce_choice_test.cpp LIBS raycube_render_support raycube::planner LABELS
+  fast device)
 raycube_test(open_share SOURCES oracle/open_share_test.cpp LIBS raycube_render_support raycube::planner LABELS fast)
 raycube_test(planner_trial SOURCES oracle/planner_trial_test.cpp LIBS raycube_render_support raycube::planner
   nlohmann_json::nlohmann_json LABELS slow)

@@ -402,6 +402,12 @@ void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
 
 }  // namespace
 
+double Bounces::brightest() const {
+  double most = 0;
+  for (const shared::rc_float4& law : scattering) most = std::max(most, static_cast<double>(law.y));
+  return std::min(most, 1.0);
+}
+
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share) {
   plan.bounces = {};
   if (levels <= 0 || plan.sun_sources + plan.sky_components == 0) return;

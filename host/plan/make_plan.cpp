@@ -390,7 +390,6 @@ void fill_report(Plan& plan, const Setting& at, const Light& light, const Levels
   report.sky_error = choice.sky_error;
   report.total_error = total, report.within_tolerance = total <= at.simulation.tolerance;
   report.given = at.simulation.plan;
-  report.bounces.open = !at.simulation.bounces_given;
   report.sky_levels = reported(levels.sky);
   report.irradiance_map_error = map_error;
   report.mean_ground = mean_ground(plan.environment, at.simulation.scene);
@@ -469,6 +468,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   compare_with_flux_row(plan, setting, light.sky);
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);
+  plan.report.bounces.open = !simulation.bounces_given && instrument.auto_bounces;
   const int bounces = simulation.bounces_given || instrument.auto_bounces ? simulation.bounces : 0;
   plan_bounces(plan, simulation.scene, bounces, simulation.sky_directions, setting.share);
   return plan;

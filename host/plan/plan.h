@@ -49,7 +49,7 @@ struct SkyRays {
     double mean = 0.5;  ///< over pixels
     double on = 0.5;    ///< of surfaces that are met: those count the more the more others they meet
   };
-  int rays = 0;             ///< of a pixel, all samples together, and as many paths where there are any; 0: neither
+  int rays = 0;  ///< of a pixel, all samples together; where there are paths, paths_beside() of it; 0: neither
   double cosine_share = 1;  ///< by the cosine about the normal
   double sun_share = 0;     ///< of the rest, about the sun with this asymmetry; all else evenly
   double asymmetry = 0.5;
@@ -172,7 +172,13 @@ struct Bounces {
   std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T
 
   bool any() const { return !skeleton.empty(); }
+  /// Largest reflectance and transmittance together, 1 at most.
+  double brightest() const;
 };
+
+/// Paths between surfaces that go with so many rays into the sky: one for every second, rounded up. A path brings less
+/// noise than a ray in most scenes and costs more (docs/light.md has the figures).
+constexpr int paths_beside(int sky_rays) { return (sky_rays + 1) / 2; }
 
 /// Keys of the skeleton's rows: this and its wavelength's number. Of no product, and of no environment.
 inline constexpr std::uint64_t kSkeletonKey = std::uint64_t{3} << 62;
@@ -225,9 +231,9 @@ struct Plan {
   int sources() const { return first_emission() + thermal.nodes(); }
   int source_channels() const { return sources() * height.count * view.count; }
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
-  /// Whether pixels send rays that are drawn: into the sky, or along as many paths.
+  /// Whether pixels send rays that are drawn: into the sky, or along paths.
   bool sends_rays() const { return components() > 0 || bounces.any(); }
-  int paths() const { return bounces.any() ? sky.rays : 0; }
+  int paths() const { return bounces.any() ? paths_beside(sky.rays) : 0; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
 };
 

@@ -49,7 +49,7 @@ struct ThermalLeftOut {
 /// How many surfaces light comes by, where the file leaves it open.
 struct BounceReport {
   bool open = false;                   ///< a look is to choose it: those planned are the most
-  bool chosen = false;                 ///< by a look (host/planner/bounce_level.h)
+  bool chosen = false;                 ///< by a look (host/planner/bounce_choice.h)
   double missed = 0, once_missed = 0;  ///< by those chosen; by light scattered once: of what is seen, worst band
 };
 

@@ -1,23 +1,20 @@
 #include "host/planner/cost_model.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace raycube::planner {
 
 namespace {
 
-/// Surfaces that one path comes to, as many as may be expected. From the third on it goes on with the chance of what it
-/// can carry.
+/// Surfaces that one path comes to, as many as may be expected. From the second on it goes on by the chance of what it
+/// can carry: of the one that is seen, the first and the second together, then of each.
 double surfaces_of_path(const plan::Plan& plan) {
   const plan::SkyRays::Met& met = plan.sky.met;
-  double reflected = 0;
-  for (const auto& law : plan.bounces.scattering) reflected = std::max(reflected, static_cast<double>(law.y));
-  reflected = std::min(reflected, 1.0);
+  const double reflected = plan.bounces.brightest();
   double surfaces = 0, comes = met.mean;
   for (int level = 1; level <= plan.bounces.levels; ++level) {
     surfaces += comes;
-    comes *= met.on * (level < 2 ? 1 : level == 2 ? reflected * reflected : reflected);
+    comes *= met.on * (level < 2 ? 1 : level == 2 ? std::pow(reflected, 3) : reflected);
   }
   return surfaces;
 }
@@ -36,7 +33,8 @@ PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directio
                  held(plan.height.count) * held(plan.path_x.count) * held(plan.path_y.count) +
                  (plan.environment.empty() ? 0 : 4 * held(plan.height.count) * held(plan.view.count));
   if (plan.bounces.levels > 0) {
-    counts.paths = directions, counts.path_surfaces = directions * surfaces_of_path(plan);
+    counts.paths = plan::paths_beside(static_cast<int>(directions));
+    counts.path_surfaces = counts.paths * surfaces_of_path(plan);
     counts.skeleton = static_cast<double>(plan.bounces.skeleton.size());
     counts.terms += counts.skeleton * held(plan.height.count) * held(plan.view.count);
   }

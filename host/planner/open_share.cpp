@@ -121,8 +121,8 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
       });
   Seen whole;
   for (const Seen& at : seen) whole.open += at.open, whole.all += at.all, whole.rays += at.rays;
-  if (!(whole.all > 0)) return;
   plan.sky.met = met_of(pixels, radiance);
+  if (!(whole.all > 0)) return;
   const double mean = whole.open / whole.all, each = whole.all / whole.rays;
   for (const Seen& at : seen) {
     const double share = (at.open + kPrior * each * mean) / (at.all + kPrior * each);

@@ -12,7 +12,7 @@
 #include "host/plan/baked_rows.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
-#include "host/planner/bounce_level.h"
+#include "host/planner/bounce_choice.h"
 #include "host/planner/open_share.h"
 #include "host/planner/plan_file.h"
 #include "host/planner/plan_lines.h"

@@ -4,6 +4,7 @@
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
 #include "host/run/chart_point.h"
+#include "host/planner/cost_model.h"
 #include "host/planner/open_share.h"
 #include "host/run/camera_job.h"
 #include "host/sensors/view_bounds.h"
@@ -103,7 +104,8 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
         FoundChart found;
         found.error = study::error_of(
             reference, study::device_radiance(renderer, instrument, plan, simulation.sun, simulation.seed, tiles));
-        const double rays = static_cast<double>(instrument.samples_u) * instrument.samples_v * 2 + plan.sky.rays;
+        const double samples = static_cast<double>(instrument.samples_u) * instrument.samples_v;
+        const double rays = planner::pixel_counts(plan, samples, plan.sky.rays).rays();
         const auto timed =
             static_cast<std::uint64_t>(std::clamp(kTimedRays / rays, 64.0, static_cast<double>(options.timed_pixels)));
         found.timing = study::time_image(renderer, instrument, plan, simulation.sun, simulation.seed,

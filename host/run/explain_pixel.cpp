@@ -79,11 +79,11 @@ PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& s
       };
       int order = 0;
       for (auto& light : by_order(job.plan, light_of(terms), up_to))
-        out.light.push_back({kind, ++order, {}, false, false, std::move(light)});
+        out.light.push_back({.kind = kind, .number = ++order, .radiance = std::move(light)});
       out.light.back().and_more = job.plan.bounces.levels > order;
       continue;
     }
-    PixelPart light{kind, number, {}, false, false, light_of(terms)};
+    PixelPart light{.kind = kind, .number = number, .radiance = light_of(terms)};
     if (curve > 0) {
       light.material = scene.materials[scene::material_of_curve(scene, curve)].name;
       light.through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;

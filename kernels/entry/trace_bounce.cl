@@ -1,4 +1,5 @@
-/* Reads: hits, surface points of make_surface, the scene, its curves at the skeleton wavelengths, the sky's maps.
+/* Reads: hits, surface points of make_surface, the scene and its
+ * ground's skyline, its curves at the skeleton wavelengths, the sky's maps.
  * Writes: by pixel and part of its samples, what light of the sun and its sky that was scattered at least twice adds,
  * at each skeleton wavelength: radiance per unit of both together (plan::Bounces::together), times pi. Next: resolve.
  */

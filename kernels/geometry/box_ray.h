@@ -15,7 +15,7 @@
  *       than 2 ulp |b| |c| / |b - c|: for the longest edge E of a triangle around it at most 1.4 E, E at most 5.7 M,
  *       and three times that beyond a corner (half as much again where two edges meet at right angles, less at
  *       slivers);
- *   5   here: origin plus offset 1, plus slack 1, difference 1, inverse 1, product 1.
+ *   5   here: origin plus offset 1, plus slack 1, inverse 1, its product with the origin 1, multiply-add 1.
  * 34, doubled. Slack moves the ray's origin, not every box, so that a box costs no operation more, and being absolute
  * it holds where a ray runs in a face or starts there: a share of the distance is nothing at distance 0. A direction
  * component of zero has the inverse 1e18: inside the slab by the slack, its interval is -+6e-8 M 1e18, longer than any
@@ -30,14 +30,6 @@
 #define RC_MESH_SLACK 64.0f
 #define RC_WORLD_SLACK 256.0f
 
-/* Sets the origins that box tests use. */
-static inline void rc_slacken(Ray* ray, float reach, float ulps) {
-  const float4 start = ray->origin + ray->offset, size = fabs(ray->origin) + fabs(ray->offset);
-  const float4 slack = (float4)(ulps * RC_ULP * (reach + fmax(size.x, fmax(size.y, size.z))));
-  ray->lo_origin = start + slack;
-  ray->hi_origin = start - slack;
-}
-
 /* A ray as box tests read it: a side at s is met at the distance s * inverse + start, rounded as often as
  * (s - origin) * inverse, for which RC_MESH_SLACK counts. */
 typedef struct BoxRay {
@@ -47,9 +39,11 @@ typedef struct BoxRay {
 
 static inline BoxRay rc_box_ray(Ray ray, float reach, float ulps) {
   BoxRay out;
-  rc_slacken(&ray, reach, ulps);
-  out.near = -ray.inverse * select(ray.hi_origin, ray.lo_origin, ray.inverse >= 0.0f);
-  out.far = -ray.inverse * select(ray.lo_origin, ray.hi_origin, ray.inverse >= 0.0f);
+  const float4 start = ray.origin + ray.offset, size = fabs(ray.origin) + fabs(ray.offset);
+  const float4 slack = (float4)(ulps * RC_ULP * (reach + fmax(size.x, fmax(size.y, size.z))));
+  const float4 lo = start + slack, hi = start - slack; /* origins for the lower and the upper sides of boxes */
+  out.near = -ray.inverse * select(hi, lo, ray.inverse >= 0.0f);
+  out.far = -ray.inverse * select(lo, hi, ray.inverse >= 0.0f);
   out.inverse = ray.inverse;
   out.x = ray.inverse.x < 0.0f ? 24u : 0u;
   out.y = ray.inverse.y < 0.0f ? 32u : 8u;
@@ -61,26 +55,25 @@ static inline float8 rc_box_side(global const float* sides, float inverse, float
   return fma(vload8(0, sides), (float8)(inverse), (float8)(start));
 }
 
-/* Where the ray comes to the boxes of a node's children, and where it leaves them: it meets those that it comes to
- * before it leaves them. */
-RC_ALWAYS static inline float8 rc_box_enter(global const BvhNode* node, const BoxRay* ray) {
+/* Children whose boxes the ray meets nearer than `limit`, which compilers fold away where it is INFINITY; enter: where
+ * it comes to each box, at 0 or beyond. */
+RC_ALWAYS static inline uint rc_boxes_entered(global const BvhNode* node, const BoxRay* ray, float limit,
+                                              float8* enter) {
   global const float* at = (global const float*)node;
-  return rc_max8(rc_max8(rc_box_side(at + ray->x, ray->inverse.x, ray->near.x),
-                         rc_box_side(at + ray->y, ray->inverse.y, ray->near.y)),
-                 rc_max8(rc_box_side(at + ray->z, ray->inverse.z, ray->near.z), 0.0f));
-}
-RC_ALWAYS static inline float8 rc_box_leave(global const BvhNode* node, const BoxRay* ray) {
-  global const float* at = (global const float*)node;
-  return rc_min8(rc_min8(rc_box_side(at + 24u - ray->x, ray->inverse.x, ray->far.x),
-                         rc_box_side(at + 40u - ray->y, ray->inverse.y, ray->far.y)),
-                 rc_box_side(at + 56u - ray->z, ray->inverse.z, ray->far.z));
+  *enter = rc_max8(rc_max8(rc_box_side(at + ray->x, ray->inverse.x, ray->near.x),
+                           rc_box_side(at + ray->y, ray->inverse.y, ray->near.y)),
+                   rc_max8(rc_box_side(at + ray->z, ray->inverse.z, ray->near.z), 0.0f));
+  float8 leave = rc_min8(rc_min8(rc_box_side(at + 24u - ray->x, ray->inverse.x, ray->far.x),
+                                 rc_box_side(at + 40u - ray->y, ray->inverse.y, ray->far.y)),
+                         rc_box_side(at + 56u - ray->z, ray->inverse.z, ray->far.z));
+  if (limit < INFINITY) leave = rc_min8(leave, (float8)(limit));
+  return rc_mask8(*enter <= leave) & ((1u << node->count) - 1u);
 }
 
-/* Children whose boxes the ray meets nearer than `limit`, which compilers fold away where it is INFINITY. */
+/* The same for whom it is enough to know which. */
 RC_ALWAYS static inline uint rc_boxes_met(global const BvhNode* node, const BoxRay* ray, float limit) {
-  float8 leave = rc_box_leave(node, ray);
-  if (limit < INFINITY) leave = rc_min8(leave, (float8)(limit));
-  return rc_mask8(rc_box_enter(node, ray) <= leave) & ((1u << node->count) - 1u);
+  float8 enter;
+  return rc_boxes_entered(node, ray, limit, &enter);
 }
 
 #endif

@@ -1,4 +1,5 @@
-/* One ray at a time through the two-level tree: moving poses, and the plain form that bundles are tested against. */
+/* One ray at a time through the two-level tree: moving poses, paths of light, pulses, and the plain form that bundles
+ * are tested against. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_RAY_TRACE_H
 #define RAYCUBE_KERNELS_GEOMETRY_RAY_TRACE_H
 
@@ -33,10 +34,10 @@ static inline void rc_take_closest(SceneArrays scene, Hit* hit, uint instance, u
  * What comes to be hit does not depend on their order; how soon boxes lie beyond it does. */
 RC_ALWAYS static inline uint rc_push_met(global const BvhNode* node, const BoxRay* boxes, float limit, ulong* stack,
                                          uint top) {
-  const float8 enter = rc_box_enter(node, boxes);
+  float8 enter;
+  uint met = rc_boxes_entered(node, boxes, limit, &enter);
   float at[8];
   vstore8(enter, 0, at);
-  uint met = rc_mask8(enter <= rc_min8(rc_box_leave(node, boxes), (float8)(limit))) & ((1u << node->count) - 1u);
   for (const uint first = top; met; met &= met - 1u) {
     const uint slot = rc_lowest(met), child = node->child[slot] | (node->leaf_mask >> slot & 1u ? RC_LEAF : 0u);
     const ulong entry = (ulong)as_uint(at[slot]) << 32 | child;

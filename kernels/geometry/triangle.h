@@ -17,8 +17,6 @@ typedef struct Ray {
   float4 inverse;           /* 1 / direction, finite: zeros become 1e18 with their sign */
   int kx, ky, kz;           /* kz: largest direction component */
   float sx, sy, sz;         /* shear and scale of Woop's transform */
-  float4 lo_origin,
-      hi_origin; /* origin + and - the slack of a tree, for the lower and upper sides of its boxes: rc_slacken */
 } Ray;
 
 static inline float rc_component(float4 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }

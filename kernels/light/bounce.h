@@ -222,12 +222,17 @@ __attribute__((noinline)) static bool rc_meets(SceneArrays scene, Paths16* paths
 }
 
 /* Follows the paths from where their first rays ended, t->levels surfaces after the first at most; then their gains are
- * whole. */
+ * whole. From the last surface they look for the sky alone. */
 static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* paths) {
   uint live = paths->live;
-  Ends16* ends = &paths->ends;
   for (uint level = 1; live; ++level) {
-    for (uint left = level > 1u ? live : 0u; left; left &= left - 1u) {
+    rc_stand(scene, t, &paths->rays, live, &paths->ends);
+#if RC_SUN
+    if (t->sun_up) rc_gain_sun(scene, t, live, &paths->ends, paths);
+#endif
+    live = rc_go_on(scene, t, live, level, &paths->ends, paths);
+    if (level == t->levels) break;
+    for (uint left = live; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
       if (rc_meets(scene, paths, k)) continue;
       live &= ~(1u << k);
@@ -236,27 +241,11 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
       else
         rc_gain_ground(t, k, paths);
     }
-    if (!live) return;
-    rc_stand(scene, t, &paths->rays, live, ends);
-#if RC_SUN
-    if (t->sun_up) rc_gain_sun(scene, t, live, ends, paths);
-#endif
-    live = rc_go_on(scene, t, live, level, ends, paths);
-    if (level < t->levels) continue;
-    Rays16 rays;
-    uint of[16], count = 0;
-    for (; live; live &= live - 1u) {
-      const uint k = rc_lowest(live);
-      of[count] = k;
-      rc_put_ray(&rays, count++, (float4)(paths->rays.x[k], paths->rays.y[k], paths->rays.z[k], 0.0f),
-                 rc_way_of(&paths->rays, k));
-    }
-    if (!count) return;
-    const uint hidden = rc_first_hidden(scene, &rays, count, RC_NONE, 0u);
-    for (uint i = 0; i < count; ++i)
-      if (!(hidden >> i & 1u)) rc_gain_sky(t, of[i], paths);
-    return;
   }
+  if (!live) return;
+  Rays16 rays = paths->rays;
+  live &= ~rc_hidden_of(scene, &rays, live, RC_NONE, 0u);
+  for (; live; live &= live - 1u) rc_gain_sky(t, rc_lowest(live), paths);
 }
 
 #endif

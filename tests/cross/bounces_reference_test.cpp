@@ -54,7 +54,7 @@ scene::Simulation wood() {
   }
   finish_top_tree(scene);
   simulation.seed = 3;
-  simulation.sky_directions = 64;
+  simulation.sky_directions = 128;
   simulation.tolerance = 0.01;
   simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 150;
   scene::Instrument camera = test::nadir_camera(kPixels, kPixels, 300, 1.0);

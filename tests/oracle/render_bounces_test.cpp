@@ -99,7 +99,7 @@ struct Corner {
     test::place(simulation.scene, test::rectangle({0, -kFar_m, 0}, {kFar_m, 0, 0}, {0, 2 * kFar_m, 0}, ground));
     test::place(simulation.scene, test::rectangle({0, -kFar_m, 0}, {0, 2 * kFar_m, 0}, {0, 0, kFar_m}, wall));
     finish_top_tree(simulation.scene);
-    simulation.sky_directions = 32;
+    simulation.sky_directions = 64;
     auto camera = test::nadir_camera(24, 24, 20, 0.04, 2.5, 0);
     camera.bands = narrow();
     camera.samples_u = camera.samples_v = 4;
@@ -164,7 +164,7 @@ TEST_CASE("S24 bounces: a leaf spread over the ground is a pile of plates") {
       test::place(simulation.scene,
                   test::rectangle({-kFar_m / 4, -kFar_m / 4, z}, {kFar_m / 2, 0, 0}, {0, kFar_m / 2, 0}, surface));
     finish_top_tree(simulation.scene);
-    simulation.sky_directions = 32;
+    simulation.sky_directions = 64;
     auto camera = test::nadir_camera(24, 24, 50, 0.5);
     camera.bands = narrow();
     camera.samples_u = camera.samples_v = 4;
@@ -212,7 +212,7 @@ TEST_CASE("S16 bounces: in a hollow sphere every point is lit alike by what was 
   }
   test::place(simulation.scene, walls);
   finish_top_tree(simulation.scene);
-  simulation.sky_directions = 128;
+  simulation.sky_directions = 256;
   auto camera = test::nadir_camera(32, 32, 60, 0.03);
   camera.bands = narrow();
   camera.samples_u = camera.samples_v = 4;
@@ -244,7 +244,7 @@ TEST_CASE("S16 bounces: a steep roof over ground that the scene does not hold se
               test::rectangle({-kHalf_m, -kHalf_m, 0}, {2 * kHalf_m, 0, 0}, {0, 2 * kHalf_m, 0}, ground));
   test::place(simulation.scene, test::rectangle({-2, -4, kHigh_m}, {4, 0, 4 * std::tan(kTilt)}, {0, 8, 0}, roof));
   finish_top_tree(simulation.scene);
-  simulation.sky_directions = 1024;
+  simulation.sky_directions = 2048;
   simulation.plan.height_nodes = simulation.plan.view_nodes = 1;
   simulation.tolerance = 0.5;  // one node of each is asked for, whatever it errs
   auto camera = test::nadir_camera(12, 12, 500, 0.25);

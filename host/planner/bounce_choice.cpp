@@ -1,4 +1,4 @@
-#include "host/planner/bounce_level.h"
+#include "host/planner/bounce_choice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,19 +17,13 @@ constexpr double kMissedShare = 0.1;  ///< of the tolerance
 constexpr double kNothing = 1e-9;
 constexpr double kLowest = 0.1;  ///< sine of the sun's elevation below which no surface is thought of as facing it
 
-double brightest(const plan::Bounces& bounces) {
-  double most = 0;
-  for (const auto& law : bounces.scattering) most = std::max(most, static_cast<double>(law.y));
-  return std::min(most, 1.0);
-}
-
 }  // namespace
 
 bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan) {
   const plan::Bounces& bounces = plan.bounces;
   const plan::SkyRays::Met& met = plan.sky.met;
   if (simulation.bounces_given || !bounces.any() || !met.known) return false;
-  const double most = brightest(bounces), each = most * met.on;  // each: of light at a surface, what the next one gets
+  const double most = bounces.brightest(), each = most * met.on;  // each: of light at a surface, what the next one gets
   const double facing = plan.sun_up ? std::max(kLowest, static_cast<double>(plan.sun_direction[2])) : 1;
   const double once_missed = std::min(1.0, met.rms * most / (facing * std::max(1 - each, 1e-3)));
   const double share = kMissedShare * plan.tolerance, missed = once_missed * std::pow(each, bounces.levels);

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "atmos_tables/synthetic.h"
-#include "host/planner/bounce_level.h"
+#include "host/planner/bounce_choice.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/open_share.h"
 #include "host/sensors/view_bounds.h"
@@ -150,9 +150,9 @@ TEST_CASE("bounces = auto: what the file gives stays") {
 TEST_CASE("the cost model counts the surfaces that a path comes to") {
   const Chosen chosen = choose(corner(true, 0.9, 0.01));
   const planner::PixelCounts counts = planner::pixel_counts(chosen.plan, 64, 32);
-  CHECK(counts.paths == 32);
-  // From either plane half of the paths meet the other; from the third surface on 0.9^2, then 0.9 of them go on.
-  const double each = 0.5 + 0.25 + 0.25 * 0.81 * 0.5 / (1 - 0.9 * 0.5);
+  CHECK(counts.paths == 16);
+  // From either plane half of the paths meet the other; from the second on 0.9^3, then 0.9 of them go on.
+  const double each = 0.5 + 0.25 + 0.25 * 0.729 * 0.5 / (1 - 0.9 * 0.5);
   CHECK(counts.path_surfaces / counts.paths == doctest::Approx(each).epsilon(2 * kNoise / 0.5));
   CHECK(counts.rays() == counts.samples + counts.sun_rays + counts.sky_rays + counts.paths + 2 * counts.path_surfaces);
 }
