@@ -79,7 +79,7 @@ def scenes():
     """The park with fewer pixels and the survey with fewer pulses, beside the files they name."""
     folder = WORK / "scene"
     if not (folder / "park.toml").exists():
-        shell("/usr/bin/python3", ROOT / "scenes/park/generate.py", folder, stdout=subprocess.DEVNULL)
+        shell("/usr/bin/python3", ROOT / "bench/opaque_park.py", folder, stdout=subprocess.DEVNULL)
     park = changed(
         folder / "park.toml",
         folder / "park_before.toml",

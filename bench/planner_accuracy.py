@@ -30,7 +30,7 @@ def scenes():
     """NAME=FILE of every shipped scene; those that are made are made first."""
     park = FOLDER / "park"
     if not (park / "park_survey.toml").exists():
-        subprocess.run(["/usr/bin/python3", ROOT / "scenes/park/generate.py", park], check=True)
+        subprocess.run(["/usr/bin/python3", ROOT / "bench/opaque_park.py", park], check=True)
     starter = FOLDER / "starter"
     if not starter.exists():
         subprocess.run([ROOT / "build/raycube", "new", starter], check=True)

@@ -186,6 +186,24 @@ void archive_shapes(Archive& ar, Scene& scene) {
   }
 }
 
+/// Which materials are one family.
+template <class Archive, class Scene>
+void archive_families(Archive& ar, Scene& scene) {
+  std::uint32_t place = 0;
+  for (auto& material : scene.materials) {
+    ar(material.in_family);
+    if constexpr (!std::is_const_v<Scene>)
+      if (material.in_family != 0 && (&material == scene.materials.data() || material.in_family != place))
+        ar.damaged("has a family whose members do not follow one another");
+    place = material.in_family + 1;
+  }
+}
+
+bool has_families(const CompiledScene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& material) { return material.in_family != 0; });
+}
+
 bool has_shapes(const CompiledScene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
                      [](const Material& material) { return material.front.number != RC_SHAPE_lambert; });
@@ -220,6 +238,7 @@ void write_payload(const CompiledScene& scene, Add add) {
   write_pulse_matter(scene, add);
   Writer<Add> writer(add);
   archive_shapes(writer, scene);
+  archive_families(writer, scene);
   for (const auto& material : scene.materials) writer(material.source);
 }
 
@@ -295,6 +314,10 @@ std::string content_hash(const CompiledScene& scene) {
   if (has_shapes(scene)) {
     Writer<decltype(add)> writer(add);
     archive_shapes(writer, scene);
+  }
+  if (has_families(scene)) {
+    Writer<decltype(add)> writer(add);
+    archive_families(writer, scene);
   }
   return hash.hex();
 }
@@ -375,6 +398,7 @@ CompiledScene load_compiled(const std::string& file) {
   scene.volumes.resize(static_cast<std::size_t>(volumes));
   archive_pulse_matter(reader, scene);
   archive_shapes(reader, scene);
+  archive_families(reader, scene);
   for (auto& material : scene.materials) reader(material.source);
   if (reader.left() != 0) reader.damaged("has bytes left over");
   check_references(scene, reader);

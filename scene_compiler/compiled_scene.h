@@ -28,7 +28,7 @@ struct Shape {
 
 /// A named material: curves that it owns (ids: kernels/shared/product_key.h), and how it scatters.
 struct Material {
-  std::string name;
+  std::string name;    ///< a family's members have its name
   std::string source;  ///< where the curve comes from, as the user's file states it
   Curve reflectance;
   Curve transmittance;            ///< empty when opaque
@@ -36,6 +36,7 @@ struct Material {
   Shape front{RC_SHAPE_lambert};  ///< how its reflectance is spread over directions
   Shape behind{RC_SHAPE_leaf};    ///< where its transmittance goes (pulses alone)
   Shape gloss{RC_SHAPE_none};     ///< beside its reflectance (pulses alone)
+  std::uint32_t in_family = 0;    ///< place among the members, which follow one another; 0: the first, or no family
 };
 
 /// A gas or aerosol volume on the way of pulses.

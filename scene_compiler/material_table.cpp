@@ -15,6 +15,7 @@ using base::Problems;
 
 // A constant spectrum holds wherever a sensor may look.
 constexpr double kConstantFirstUm = 0.1, kConstantLastUm = 100.0;
+constexpr double kLeafFirst_um = 0.35;
 
 std::optional<Material> constant_material(const Record& record, Problems& problems) {
   const double r = record.number("reflectance"), t = record.number("transmittance");
@@ -38,6 +39,14 @@ void extend(Curve& curve, double value) {
   curve.value.insert(curve.value.end(), 2, value);
 }
 
+/// Below its first wavelength a leaf keeps its first value.
+void hold_below(Curve& curve) {
+  curve.wavelength_um.insert(curve.wavelength_um.begin(), kLeafFirst_um);
+  curve.value.insert(curve.value.begin(), curve.value.front());
+}
+
+/// PROSPECT's leaf, held from 0.4 down to 0.35 um: piles of leaves reflect there as at 0.4 um within 0.004 (maple,
+/// aspen and spruce of USGS splib07 and ASTER, scenes/park/spectra).
 Material leaf_material(const Record& made_of) {
   LeafContent leaf;
   leaf.structure = made_of.number("n");
@@ -47,39 +56,51 @@ Material leaf_material(const Record& made_of) {
   LeafOptics optics = leaf_optics(leaf);
   Material out;
   out.reflectance = std::move(optics.reflectance), out.transmittance = std::move(optics.transmittance);
+  hold_below(out.reflectance), hold_below(out.transmittance);
   out.source = "PROSPECT-D (Feret et al. 2017)";
   return out;
 }
 
-std::optional<Material> file_material(const Record& record, Problems& problems) {
+SpectrumRequest request_of(const Record& record) {
   SpectrumRequest request;
-  request.file = record.text("file");
+  request.file = record.text(record.given("family") ? "family" : "file");
   request.spectrum = record.text("spectrum");
   request.reflectance_column = record.text("reflectance_column");
   request.transmittance_column = record.text("transmittance_column");
   if (record.given("scale")) request.scale = record.number("scale");
   request.medium = record.text("medium");
-  request.asked_by = record.place(record.given("spectrum") ? "spectrum" : "file");
-  return read_spectrum(request, problems);
+  request.asked_by = record.place(record.given("family") ? "family" : record.given("spectrum") ? "spectrum" : "file");
+  return request;
 }
 
 /// Whether the material's spectrum has one source, and no key of another.
 bool has_one_source(const Record& record, Problems& problems) {
   std::vector<std::string> sources;
-  for (const char* key : {"file", "reflectance", "leaf"})
+  for (const char* key : {"file", "family", "reflectance", "leaf"})
     if (record.given(key)) sources.push_back(key);
   if (sources.size() != 1) {
-    problems.add(record.where, "material '" + record.text("name") + "' needs exactly one of file, reflectance and leaf",
+    problems.add(record.where,
+                 "material '" + record.text("name") + "' needs exactly one of file, family, reflectance and leaf",
                  sources.empty() ? "none" : sources[0] + " and " + sources[1], "remove or add one");
     return false;
   }
-  const std::string of = sources[0] == "leaf" ? "a leaf of its content" : "a constant reflectance";
-  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "scale", "medium"})
-    if (sources[0] != "file" && record.given(key)) {
+  if (record.given("family") != record.given("texture")) {
+    problems.add(record.where, "material '" + record.text("name") + "': a family and a texture go together",
+                 "only " + std::string(record.given("family") ? "family" : "texture"), "add the other, or remove it");
+    return false;
+  }
+  const bool family = sources[0] == "family";
+  const std::string of = family                 ? "a family"
+                         : sources[0] == "leaf" ? "a leaf of its content"
+                                                : "a constant reflectance";
+  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "scale", "medium"}) {
+    const bool of_a_file = family && (key == std::string_view("scale") || key == std::string_view("medium"));
+    if (sources[0] != "file" && !of_a_file && record.given(key)) {
       problems.add(record.place(key), std::string("'") + key + "' means nothing for " + of, "",
                    "remove it, or give file");
       return false;
     }
+  }
   if (sources[0] == "reflectance" && record.given("reflectance_beyond")) {
     problems.add(record.place("reflectance_beyond"), "'reflectance_beyond' means nothing for " + of, "", "remove it");
     return false;
@@ -87,20 +108,22 @@ bool has_one_source(const Record& record, Problems& problems) {
   if (sources[0] == "reflectance" || !record.given("transmittance")) return true;
   problems.add(record.place("transmittance"), "'transmittance' goes with a constant reflectance",
                number_text(record.number("transmittance")),
-               sources[0] == "file" ? "give the file a transmittance column" : "remove it: the leaf has its own");
+               family                 ? "remove it: members of a family are opaque"
+               : sources[0] == "file" ? "give the file a transmittance column"
+                                      : "remove it: the leaf has its own");
   return false;
 }
 
-std::optional<Material> read_material(const Record& record, Problems& problems) {
-  if (!has_one_source(record, problems)) return std::nullopt;
-  if (record.given("reflectance")) return constant_material(record, problems);
+/// The one material of a record, or the members of its family; none after reporting.
+std::vector<Material> read_spectra(const Record& record, Problems& problems) {
+  if (!has_one_source(record, problems)) return {};
+  if (record.given("family")) return read_family(request_of(record), problems);
   const Record* leaf = record.table("leaf");
-  auto material = leaf ? leaf_material(*leaf->table("prospect")) : file_material(record, problems);
-  if (material && record.given("reflectance_beyond")) {
-    extend(material->reflectance, record.number("reflectance_beyond"));
-    extend(material->transmittance, 0);
-  }
-  return material;
+  auto material = record.given("reflectance") ? constant_material(record, problems)
+                  : leaf                      ? leaf_material(*leaf->table("prospect"))
+                                              : read_spectrum(request_of(record), problems);
+  if (!material) return {};
+  return {std::move(*material)};
 }
 
 /// The shape that a material's table of its name asks for; none where it has none.
@@ -153,29 +176,69 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       thermal && thermal->given("default_temperature_K") ? thermal->number("default_temperature_K") : 0;
   for (const auto& record : root.records("material")) {
     const std::string& name = record.text("name");
-    Material material;
-    if (record.sound)
-      if (auto read = read_material(record, problems)) {
-        material = std::move(*read);
+    std::vector<Material> members = record.sound ? read_spectra(record, problems) : std::vector<Material>();
+    std::optional<Texture> texture;
+    if (!members.empty() && record.given("texture"))
+      texture = read_texture(*record.table("texture"), members, problems);
+    if (members.empty()) members.emplace_back();  // of its name, so that what names it is not reported again
+    const std::size_t before = problems.lines().size();
+    for (Material& material : members) {
+      if (problems.lines().size() > before) break;  // once for all of a family
+      if (record.given("reflectance_beyond") && !material.reflectance.value.empty()) {
+        extend(material.reflectance, record.number("reflectance_beyond"));
+        extend(material.transmittance, 0);
+      }
+      if (record.sound && !material.reflectance.value.empty()) {
         read_front(record, material, problems);
         read_pulse_matter(record, material, problems);
       }
+      material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
+      if (record.given("source")) material.source = record.text("source");
+    }
     if (name.empty()) continue;
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh) {
       problems.add(record.where, "material '" + name + "' is defined twice", "first in " + place->second.text(),
                    "rename or remove one");
       continue;
     }
-    material.name = name;
-    material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
-    if (record.given("source")) material.source = record.text("source");
-    index_.emplace(name, static_cast<std::uint32_t>(materials_.size()));
+    if (texture) textures_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*texture));
+    add(name, std::move(members));
+  }
+}
+
+void MaterialTable::add(const std::string& name, std::vector<Material> members) {
+  index_.emplace(name, static_cast<std::uint32_t>(materials_.size()));
+  for (std::size_t place = 0; place < members.size(); ++place) {
+    members[place].name = name, members[place].in_family = static_cast<std::uint32_t>(place);
     shared::Surface surface{};
     surface.material[0] = static_cast<std::uint32_t>(materials_.size()) + 1;
     surface.fraction[0] = 1.0f;
-    materials_.push_back(std::move(material));
+    materials_.push_back(std::move(members[place]));
     surfaces_.push_back(surface);
   }
+}
+
+std::uint32_t MaterialTable::at(std::uint32_t surface, double u_m, double v_m) {
+  if (textures_.empty()) return surface;
+  const shared::Surface of = surfaces_[surface];
+  std::vector<std::pair<std::uint32_t, double>> parts;
+  bool textured = false;
+  for (int i = 0; i < 4; ++i) {
+    if (of.material[i] == 0) continue;
+    const auto texture = textures_.find(of.material[i] - 1);
+    const bool has = texture != textures_.end();
+    parts.emplace_back(of.material[i] - 1 + (has ? texture->second.member(u_m, v_m) : 0), of.fraction[i]);
+    textured |= has;
+  }
+  return textured ? mix(parts) : surface;
+}
+
+double MaterialTable::texel_m(std::uint32_t surface) const {
+  double out = 0;
+  for (const std::uint32_t material : surfaces_[surface].material)
+    if (const auto texture = textures_.find(material - 1); material > 0 && texture != textures_.end())
+      out = out > 0 ? std::min(out, texture->second.texel_m()) : texture->second.texel_m();
+  return out;
 }
 
 std::uint32_t MaterialTable::surface(const std::string& name, const base::Where& where, Problems& problems) const {

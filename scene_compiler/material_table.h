@@ -10,6 +10,7 @@
 
 #include "scene_compiler/compiled_scene.h"
 #include "scene_compiler/document.h"
+#include "scene_compiler/texture.h"
 
 namespace raycube::scene {
 
@@ -21,6 +22,12 @@ class MaterialTable {
   /// Surface of one pure material. An unknown name is reported with the nearest known one, and 0 returned.
   std::uint32_t surface(const std::string& name, const base::Where& where, base::Problems& problems) const;
 
+  /// Surface of a place on matter of this surface, by the textures of its materials: of a family the member that lies
+  /// there. u_m, v_m: Texture::member's.
+  std::uint32_t at(std::uint32_t surface, double u_m, double v_m);
+  /// Side of the smallest texel of its materials, m; 0: none has a texture.
+  double texel_m(std::uint32_t surface) const;
+
   /// Surface of an area mix of up to four materials (surface index, fraction > 0, sum 1); equal mixes share
   /// one.
   std::uint32_t mix(const std::vector<std::pair<std::uint32_t, double>>& parts);
@@ -31,8 +38,11 @@ class MaterialTable {
   void move_to(CompiledScene& scene);
 
  private:
+  void add(const std::string& name, std::vector<Material> members);
+
   std::vector<Material> materials_;
   std::map<std::string, std::uint32_t> index_;
+  std::map<std::uint32_t, Texture> textures_;  ///< by the first member's index
   std::vector<shared::Surface> surfaces_;
   std::map<std::array<std::uint32_t, 8>, std::uint32_t> mixes_;
 };

@@ -4,6 +4,21 @@
 
 namespace raycube::scene {
 
+std::vector<std::uint32_t> named_materials(const CompiledScene& scene) {
+  std::vector<std::uint32_t> out;
+  std::uint32_t named = 0;
+  for (const Material& material : scene.materials) {
+    if (material.in_family == 0) ++named;
+    out.push_back(named - 1);
+  }
+  return out;
+}
+
+std::size_t named_count(const CompiledScene& scene) {
+  return static_cast<std::size_t>(std::count_if(scene.materials.begin(), scene.materials.end(),
+                                                [](const Material& material) { return material.in_family == 0; }));
+}
+
 std::vector<std::uint32_t> used_materials(const CompiledScene& scene) {
   std::vector<char> placed(scene.trees.size(), 0), seen(scene.blocks.size(), 1);
   for (const auto& instance : scene.instances)

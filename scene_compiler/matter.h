@@ -24,6 +24,17 @@ inline std::uint32_t material_count(const CompiledScene& scene) {
   return static_cast<std::uint32_t>(scene.materials.size());
 }
 
+/// Which of the materials that the user named, counted from 0 in the file's order, each material is: members of a
+/// family are one.
+std::vector<std::uint32_t> named_materials(const CompiledScene& scene);
+/// How many those are.
+std::size_t named_count(const CompiledScene& scene);
+
+/// The surface of a family's first member where this is that of another; of mixtures and all else itself.
+inline std::uint32_t family_surface(const CompiledScene& scene, std::uint32_t surface) {
+  return surface < scene.materials.size() ? surface - scene.materials[surface].in_family : surface;
+}
+
 /// Materials (indices, ascending) that some placed triangle carries; all of them in a scene without triangles. Only
 /// their curves must cover what an instrument sees.
 std::vector<std::uint32_t> used_materials(const CompiledScene& scene);

@@ -69,7 +69,46 @@ void assign_materials(const Record& record, const MaterialTable& materials, Mesh
   for (auto& surface : file.mesh.surface) surface = surface_of_part[surface];
 }
 
-void add_mesh(const Record& record, bool strict, const MaterialTable& materials, SceneParts& parts, MeshIndex& index,
+/// Middle of a triangle in the two axes that it faces least, m, and whether its sides are longer than `size_m`.
+struct Laid {
+  double u_m = 0, v_m = 0;
+  bool larger = false;
+};
+Laid laid(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle, double size_m) {
+  std::array<std::array<double, 3>, 3> p;
+  for (std::size_t k = 0; k < 3; ++k)
+    std::copy(mesh.vertices[triangle[k]].begin(), mesh.vertices[triangle[k]].end(), p[k].begin());
+  std::array<double, 3> a{}, b{}, normal{};
+  for (std::size_t k = 0; k < 3; ++k) a[k] = p[1][k] - p[0][k], b[k] = p[2][k] - p[0][k];
+  for (std::size_t k = 0; k < 3; ++k)
+    normal[k] = std::abs(a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+  const auto faced = std::max_element(normal.rbegin(), normal.rend());  // z before y before x where they are equal
+  const auto axis = static_cast<std::size_t>(normal.rend() - faced) - 1;
+  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  const auto middle = [&](std::size_t k) { return (p[0][k] + p[1][k] + p[2][k]) / 3; };
+  const double longest =
+      std::sqrt(std::max(a[0] * a[0] + a[1] * a[1] + a[2] * a[2], b[0] * b[0] + b[1] * b[1] + b[2] * b[2]));
+  return {middle(u), middle(v), longest > 2 * size_m};
+}
+
+/// Of triangles of families the members that their textures have at their middles.
+void lay_textures(const std::string& name, MaterialTable& materials, TriangleMesh& mesh,
+                  std::vector<std::string>& notices) {
+  std::size_t larger = 0;
+  double texel_m = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const double size_m = materials.texel_m(mesh.surface[t]);
+    if (size_m <= 0) continue;
+    const Laid at = laid(mesh, mesh.triangles[t], size_m);
+    mesh.surface[t] = materials.at(mesh.surface[t], at.u_m, at.v_m);
+    if (at.larger) ++larger, texel_m = size_m;
+  }
+  if (larger > 0)
+    notices.push_back("mesh '" + name + "': " + std::to_string(larger) + " triangles are longer than two texels of " +
+                      number_text(texel_m) + " m, and each has the one at its middle; finer triangles show more");
+}
+
+void add_mesh(const Record& record, bool strict, MaterialTable& materials, SceneParts& parts, MeshIndex& index,
               Problems& problems) {
   const std::string& name = record.text("name");
   if (index.count(name)) {
@@ -87,6 +126,7 @@ void add_mesh(const Record& record, bool strict, const MaterialTable& materials,
                              record.place("file"), problems);
   if (!file) return;
   assign_materials(record, materials, *file, problems);
+  if (problems.empty()) lay_textures(name, materials, file->mesh, parts.notices);
   if (file->dropped_faces > 0)
     parts.notices.push_back(record.text("file") + ": dropped " + std::to_string(file->dropped_faces) + " of " +
                             std::to_string(file->faces) + " faces without area (first: " + file->first_dropped + ")");
@@ -312,8 +352,7 @@ void add_scatter(const Record& record, std::uint64_t stream, const MeshIndex& in
 
 }  // namespace
 
-void add_meshes_and_instances(const Record& root, const MaterialTable& materials, SceneParts& parts,
-                              Problems& problems) {
+void add_meshes_and_instances(const Record& root, MaterialTable& materials, SceneParts& parts, Problems& problems) {
   const Record* scene = root.table("scene");
   const bool strict = scene != nullptr && scene->boolean("strict");
   MeshIndex index;

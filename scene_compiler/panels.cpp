@@ -22,8 +22,8 @@ std::vector<double> edges(double size_m, double cell_m) {
 
 /// Rectangle spanned by axes u and v (unit) about a centre, facing u x v; squares from the corner -u, -v.
 void add_rectangle(TriangleMesh& mesh, const Vector& center, const Vector& u, const Vector& v, double size_u,
-                   double size_v, const Checker& checker) {
-  const auto us = edges(size_u, checker.cell_m), vs = edges(size_v, checker.cell_m);
+                   double size_v, const Cut& cut) {
+  const auto us = edges(size_u, cut.cell_m), vs = edges(size_v, cut.cell_m);
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const auto width = static_cast<std::uint32_t>(us.size());
   for (const double b : vs)
@@ -36,9 +36,10 @@ void add_rectangle(TriangleMesh& mesh, const Vector& center, const Vector& u, co
     for (std::uint32_t i = 0; i + 1 < width; ++i) {
       const std::uint32_t sw = first + j * width + i, se = sw + 1, nw = sw + width, ne = nw + 1;
       const auto face = mesh.user_face.empty() ? 0u : mesh.user_face.back() + 1;
+      const std::uint32_t surface = cut.surface(i, j);
       for (const auto& triangle : {std::array{sw, se, ne}, std::array{sw, ne, nw}}) {
         mesh.triangles.push_back(triangle);
-        mesh.surface.push_back(checker.surface[(i + j) % 2]);
+        mesh.surface.push_back(surface);
         mesh.user_face.push_back(face);
       }
     }
@@ -57,16 +58,16 @@ std::array<double, 12> placement(const std::array<double, 3>& position_m, double
 }
 
 TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::array<double, 2>& size_m, double yaw_deg,
-                        double tilt_deg, const Checker& checker) {
+                        double tilt_deg, const Cut& cut) {
   const double tilt = base::rad_by_division(tilt_deg);
   TriangleMesh mesh;
   add_rectangle(mesh, position_m, turned({1, 0, 0}, yaw_deg), turned({0, std::cos(tilt), -std::sin(tilt)}, yaw_deg),
-                size_m[0], size_m[1], checker);
+                size_m[0], size_m[1], cut);
   return mesh;
 }
 
 TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<double, 3>& size_m, double yaw_deg,
-                      const std::array<std::uint32_t, 6>& surface, const Checker& top) {
+                      const std::array<Cut, 6>& faces) {
   const Vector x = turned({1, 0, 0}, yaw_deg), y = turned({0, 1, 0}, yaw_deg), z{0, 0, 1};
   const auto minus = [](const Vector& v) { return Vector{-v[0], -v[1], -v[2]}; };
   const auto at = [&](double dx, double dy, double dz) {
@@ -77,10 +78,8 @@ TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<
   const double w = size_m[0], l = size_m[1], h = size_m[2];
   TriangleMesh mesh;
   const auto side = [&](BoxFace face, const Vector& center, const Vector& u, const Vector& v, double size_u,
-                        double size_v) {
-    add_rectangle(mesh, center, u, v, size_u, size_v, Checker{{surface[face], surface[face]}, 0});
-  };
-  add_rectangle(mesh, at(0, 0, h), x, y, w, l, top);
+                        double size_v) { add_rectangle(mesh, center, u, v, size_u, size_v, faces[face]); };
+  side(kTop, at(0, 0, h), x, y, w, l);
   side(kBottom, at(0, 0, 0), minus(x), y, w, l);
   side(kNorth, at(0, l / 2, h / 2), minus(x), z, w, h);
   side(kSouth, at(0, -l / 2, h / 2), x, z, w, h);

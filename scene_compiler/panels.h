@@ -3,16 +3,17 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "scene_compiler/bvh_builder.h"
 
 namespace raycube::scene {
 
-/// Surface of a square by parity: cells (0, 0) at the corner -x, -y has surface[0]. cell_m 0: one square,
-/// surface[0].
-struct Checker {
-  std::array<std::uint32_t, 2> surface{};
+/// A rectangle cut into squares from its corner -x, -y; cell_m 0: one square.
+struct Cut {
   double cell_m = 0;
+  /// Surface of square (column, row), from 0 at that corner.
+  std::function<std::uint32_t(std::uint32_t column, std::uint32_t row)> surface;
 };
 
 /// Turns clockwise by yaw_deg seen from above: local +y points to azimuth yaw_deg.
@@ -23,15 +24,15 @@ std::array<double, 12> placement(const std::array<double, 3>& position_m, double
 
 /// A rectangle of size_m about position_m, its normal up, leaning by tilt_deg towards azimuth yaw_deg.
 TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::array<double, 2>& size_m, double yaw_deg,
-                        double tilt_deg, const Checker& checker);
+                        double tilt_deg, const Cut& cut);
 
 /// Faces of a box, in this order everywhere.
 enum BoxFace { kTop, kBottom, kNorth, kSouth, kEast, kWest };
 inline constexpr std::array<const char*, 6> kBoxFaceNames{"top", "bottom", "north", "south", "east", "west"};
 
-/// A box standing with the centre of its base at position_m, faces outward. top: squares of the top face;
-/// surface[kTop] is not used.
+/// A box standing with the centre of its base at position_m, faces outward, each cut from its lower left corner as one
+/// sees it from outside (top and bottom: from the corner towards -y on the left, north up).
 TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<double, 3>& size_m, double yaw_deg,
-                      const std::array<std::uint32_t, 6>& surface, const Checker& top);
+                      const std::array<Cut, 6>& faces);
 
 }  // namespace raycube::scene

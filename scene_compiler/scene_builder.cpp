@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene_compiler/compiled_file.h"
+#include "scene_compiler/document_values.h"
 #include "scene_compiler/panels.h"
 #include "scene_compiler/placed_together.h"
 
@@ -11,19 +12,30 @@ namespace {
 
 using base::Problems;
 
-Checker checker_of(const Record& checker, const MaterialTable& materials, Problems& problems) {
+/// Squares of two materials in turn; of a family each has the texel at its middle.
+Cut checker_of(const Record& checker, MaterialTable& materials, Problems& problems) {
   const Value& names = checker.value("materials");
-  Checker out;
-  out.cell_m = checker.number("cell_m");
-  for (std::size_t i = 0; i < 2; ++i)
-    out.surface[i] = materials.surface(names.texts[i], names.text_places[i], problems);
-  return out;
+  const double cell_m = checker.number("cell_m");
+  std::array<std::uint32_t, 2> surface{};
+  for (std::size_t i = 0; i < 2; ++i) surface[i] = materials.surface(names.texts[i], names.text_places[i], problems);
+  return {cell_m, [surface, cell_m, &materials](std::uint32_t column, std::uint32_t row) {
+            return materials.at(surface[(column + row) % 2], (column + 0.5) * cell_m, (row + 0.5) * cell_m);
+          }};
 }
 
-bool too_many_cells(double width_m, double length_m, const Checker& checker, const Record& record, Problems& problems) {
-  if (checker.cell_m <= 0 || (width_m / checker.cell_m) * (length_m / checker.cell_m) <= 1e7) return false;
-  problems.add(record.place("checker"), "checkerboard has more than 1e7 squares",
-               "cell_m " + std::to_string(checker.cell_m), "use larger squares");
+/// One square of one material, or a square for each texel.
+Cut texels_of(std::uint32_t surface, MaterialTable& materials) {
+  const double texel_m = materials.texel_m(surface);
+  return {texel_m, [surface, texel_m, &materials](std::uint32_t column, std::uint32_t row) {
+            return materials.at(surface, (column + 0.5) * texel_m, (row + 0.5) * texel_m);
+          }};
+}
+
+bool too_many_cells(double width_m, double length_m, const Cut& cut, const Record& record, Problems& problems) {
+  if (cut.cell_m <= 0 || (width_m / cut.cell_m) * (length_m / cut.cell_m) <= 1e7) return false;
+  problems.add(record.where, "more than 1e7 squares of a checkerboard or texture on one face",
+               number_text(width_m) + " x " + number_text(length_m) + " m of " + number_text(cut.cell_m) + " m",
+               "use larger squares or texels");
   return true;
 }
 
@@ -32,7 +44,7 @@ void place_once(SceneParts& parts, std::string name, TriangleMesh mesh) {
   parts.meshes.push_back({std::move(name), std::move(mesh)});
 }
 
-void add_plane(const Record& record, const std::string& name, const MaterialTable& materials, SceneParts& parts,
+void add_plane(const Record& record, const std::string& name, MaterialTable& materials, SceneParts& parts,
                Problems& problems) {
   const Record* checker_record = record.table("checker");
   if (record.given("material") == (checker_record != nullptr)) {
@@ -40,19 +52,18 @@ void add_plane(const Record& record, const std::string& name, const MaterialTabl
                  "remove or add one");
     return;
   }
-  Checker checker;
-  if (checker_record)
-    checker = checker_of(*checker_record, materials, problems);
-  else
-    checker.surface[0] = materials.surface(record.text("material"), record.place("material"), problems);
+  const Cut cut =
+      checker_record
+          ? checker_of(*checker_record, materials, problems)
+          : texels_of(materials.surface(record.text("material"), record.place("material"), problems), materials);
   const auto& size = record.numbers("size_m");
-  if (too_many_cells(size[0], size[1], checker, record, problems)) return;
+  if (too_many_cells(size[0], size[1], cut, record, problems)) return;
   place_once(parts, name,
              plane_mesh(position_of(record, parts, problems), {size[0], size[1]}, record.number("yaw_deg"),
-                        record.number("tilt_deg"), checker));
+                        record.number("tilt_deg"), cut));
 }
 
-void add_box(const Record& record, const std::string& name, const MaterialTable& materials, SceneParts& parts,
+void add_box(const Record& record, const std::string& name, MaterialTable& materials, SceneParts& parts,
              Problems& problems) {
   std::array<std::uint32_t, 6> surface{};
   std::array<bool, 6> known{};
@@ -71,20 +82,26 @@ void add_box(const Record& record, const std::string& name, const MaterialTable&
     surface[index] = materials.surface(value.text, value.where, problems);
     known[index] = true;
   }
-  Checker top;
+  std::array<Cut, 6> faces;
+  for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = texels_of(surface[i], materials);
   if (const Record* checker = record.table("checker"))
-    top = checker_of(*checker, materials, problems), known[kTop] = true;
-  else
-    top.surface[0] = surface[kTop];
+    faces[kTop] = checker_of(*checker, materials, problems), known[kTop] = true;
   for (std::size_t i = 0; i < known.size(); ++i)
     if (!known[i])
       problems.add(record.where, "a face of the box has no material", kBoxFaceNames[i],
                    "give material, or materials = { " + std::string(kBoxFaceNames[i]) + " = ... }");
   const auto& size = record.numbers("size_m");
-  if (too_many_cells(size[0], size[1], top, record, problems)) return;
-  place_once(parts, name,
-             box_mesh(position_of(record, parts, problems), {size[0], size[1], size[2]}, record.number("yaw_deg"),
-                      surface, top));
+  const std::array<std::array<double, 2>, 6> extent{{{size[0], size[1]},
+                                                     {size[0], size[1]},
+                                                     {size[0], size[2]},
+                                                     {size[0], size[2]},
+                                                     {size[1], size[2]},
+                                                     {size[1], size[2]}}};
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (too_many_cells(extent[i][0], extent[i][1], faces[i], record, problems)) return;
+  place_once(
+      parts, name,
+      box_mesh(position_of(record, parts, problems), {size[0], size[1], size[2]}, record.number("yaw_deg"), faces));
 }
 
 /// Where each mesh first stands in the list of placements; 0 of those that are never placed.
@@ -124,7 +141,7 @@ std::optional<double> SceneParts::terrain_height_m(double x_m, double y_m) const
   return highest;
 }
 
-void add_panels(const Record& root, const MaterialTable& materials, SceneParts& parts, Problems& problems) {
+void add_panels(const Record& root, MaterialTable& materials, SceneParts& parts, Problems& problems) {
   std::size_t number = 0;
   for (const auto& record : root.records("plane")) {
     ++number;

@@ -42,8 +42,8 @@ SceneParts read_scene_parts(const Record& root, MaterialTable& materials, base::
 
 // One per kind of entry; each appends to parts.
 void add_terrains(const Record& root, MaterialTable& materials, SceneParts& parts, base::Problems& problems);
-void add_panels(const Record& root, const MaterialTable& materials, SceneParts& parts, base::Problems& problems);
-void add_meshes_and_instances(const Record& root, const MaterialTable& materials, SceneParts& parts,
+void add_panels(const Record& root, MaterialTable& materials, SceneParts& parts, base::Problems& problems);
+void add_meshes_and_instances(const Record& root, MaterialTable& materials, SceneParts& parts,
                               base::Problems& problems);
 
 void add_volumes(const Record& root, SceneParts& parts, base::Problems& problems);

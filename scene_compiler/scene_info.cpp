@@ -34,11 +34,15 @@ SceneInfo scene_info(const CompiledScene& scene) {
     out.placed_triangles += mesh.instances * mesh.triangles;
   }
   for (const auto& material : scene.materials) {
+    if (material.in_family > 0) {
+      ++out.materials.back().spectra;
+      continue;
+    }
     const auto& w = material.reflectance.wavelength_um;
     out.materials.push_back({material.name, material.source, w.empty() ? 0 : w.front(), w.empty() ? 0 : w.back(),
                              w.size(), !material.transmittance.value.empty(), material.behind.number == RC_SHAPE_plate,
                              material.gloss.number != RC_SHAPE_none,
-                             std::string(shape_entry(material.front.number).name)});
+                             std::string(shape_entry(material.front.number).name), 1});
   }
   for (const auto& volume : scene.volumes) {
     const auto& w = volume.wavelength_um;
@@ -84,7 +88,8 @@ std::string scene_info_text(const SceneInfo& info) {
     out += fmt::format("  {:<32} {:>9} triangles x {}\n", mesh.name, mesh.triangles, mesh.instances);
   out += "\nmaterials\n";
   for (const auto& m : info.materials)
-    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}{}{}\n", m.name, m.first_um, m.last_um, m.points,
+    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}{}{}{}\n", m.name, m.first_um, m.last_um, m.points,
+                       m.spectra > 1 ? fmt::format(", family of {}", m.spectra) : "",
                        m.shape == "lambert" ? "" : ", " + m.shape,
                        m.plate       ? ", plate"
                        : m.transmits ? ", transmits"
@@ -117,7 +122,8 @@ std::string scene_info_json(const SceneInfo& info) {
                          {"transmits", m.transmits},
                          {"plate", m.plate},
                          {"gloss", m.gloss},
-                         {"shape", m.shape}});
+                         {"shape", m.shape},
+                         {"spectra", m.spectra}});
   for (const auto& v : info.volumes)
     volumes.push_back({{"name", v.name},
                        {"shape", v.shape},

@@ -31,6 +31,7 @@ struct MaterialInfo {
   bool transmits = false;
   bool plate = false, gloss = false;  ///< for pulses
   std::string shape;                  ///< how it reflects: a name of kernels/materials
+  std::size_t spectra = 1;            ///< members of its family
 };
 
 struct VolumeInfo {

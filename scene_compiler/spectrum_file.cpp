@@ -39,40 +39,66 @@ Material material_of(const std::vector<SpectrumPoint>& points, bool has_transmit
   return out;
 }
 
-std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Problems& problems) {
-  const auto csv = read_csv(request.file, request.asked_by, problems);
-  if (!csv) return std::nullopt;
-  std::optional<std::size_t> wavelength;
-  double unit_um = 0;
-  for (std::size_t i = 0; i < csv->columns.size(); ++i)
-    if (const auto unit = wavelength_unit_um(csv->columns[i])) wavelength = i, unit_um = *unit;
-  const auto reflectance = csv->column(request.reflectance_column);
-  const auto transmittance = csv->column(request.transmittance_column);
-  const Where header{csv->file, csv->header_line, 0, ""};
-  if (!wavelength)
-    problems.add(header, "no wavelength column", csv->columns_text(), "name one wavelength_nm or wavelength_um");
-  if (!reflectance)
-    problems.add(header, "no column '" + request.reflectance_column + "'", csv->columns_text(),
-                 "name it, or give reflectance_column");
-  if (!wavelength || !reflectance) return std::nullopt;
+/// Which column of a CSV is the wavelength, and its unit in um; nullopt after reporting.
+std::optional<std::pair<std::size_t, double>> wavelength_column(const CsvFile& csv, Problems& problems) {
+  for (std::size_t i = csv.columns.size(); i-- > 0;)
+    if (const auto unit = wavelength_unit_um(csv.columns[i])) return std::pair(i, *unit);
+  problems.add({csv.file, csv.header_line, 0, ""}, "no wavelength column", csv.columns_text(),
+               "name one wavelength_nm or wavelength_um");
+  return std::nullopt;
+}
+
+/// The spectrum of a column, and of one of transmittance where there is one.
+std::optional<Material> column_spectrum(const CsvFile& csv, std::pair<std::size_t, double> wavelength,
+                                        std::size_t reflectance, std::optional<std::size_t> transmittance,
+                                        const SpectrumRequest& request, Problems& problems) {
   const std::size_t before = problems.lines().size();
   const double scale = request.scale.value_or(1.0);
   std::vector<SpectrumPoint> points;
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + kMaxSpectrumReports; ++row) {
-    const auto w = csv->number(row, *wavelength, problems), r = csv->number(row, *reflectance, problems);
-    const auto t = transmittance ? csv->number(row, *transmittance, problems) : std::optional(0.0);
-    if (w && r && t) points.push_back({*w * unit_um, *r * scale, *t * scale, {csv->file, csv->row_lines[row], 0, ""}});
+  for (std::size_t row = 0; row < csv.rows.size() && problems.lines().size() < before + kMaxSpectrumReports; ++row) {
+    const auto w = csv.number(row, wavelength.first, problems), r = csv.number(row, reflectance, problems);
+    const auto t = transmittance ? csv.number(row, *transmittance, problems) : std::optional(0.0);
+    if (w && r && t)
+      points.push_back({*w * wavelength.second, *r * scale, *t * scale, {csv.file, csv.row_lines[row], 0, ""}});
   }
   const bool numbers_sound = problems.lines().size() == before;
-  const bool sound = check_spectrum(points, csv->file, problems);
+  const bool sound = check_spectrum(points, csv.file, problems);
   const auto comment = [&](const char* key) {
-    const auto found = csv->comments.find(key);
-    return found == csv->comments.end() ? std::string() : found->second;
+    const auto found = csv.comments.find(key);
+    return found == csv.comments.end() ? std::string() : found->second;
   };
-  const bool air = is_air(request.medium, comment("medium"), csv->file, problems);
+  const bool air = is_air(request.medium, comment("medium"), csv.file, problems);
   if (!sound || !numbers_sound) return std::nullopt;
   Material out = material_of(points, transmittance.has_value(), air);
   out.source = comment("source").empty() ? comment("source file") : comment("source");
+  return out;
+}
+
+std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Problems& problems) {
+  const auto csv = read_csv(request.file, request.asked_by, problems);
+  if (!csv) return std::nullopt;
+  const auto wavelength = wavelength_column(*csv, problems);
+  const auto reflectance = csv->column(request.reflectance_column);
+  if (!reflectance)
+    problems.add({csv->file, csv->header_line, 0, ""}, "no column '" + request.reflectance_column + "'",
+                 csv->columns_text(), "name it, or give reflectance_column");
+  if (!wavelength || !reflectance) return std::nullopt;
+  return column_spectrum(*csv, *wavelength, *reflectance, csv->column(request.transmittance_column), request, problems);
+}
+
+/// A line of a library.
+std::optional<Material> library_spectrum(const EnviLibrary& library, std::size_t line, const SpectrumRequest& request,
+                                         Problems& problems) {
+  const double scale = request.scale.value_or(1.0 / library.scale_factor);
+  std::vector<SpectrumPoint> points;
+  for (std::size_t i = 0; i < library.wavelength_um.size(); ++i)
+    points.push_back({library.wavelength_um[i],
+                      library.spectra[line][i] * scale,
+                      0,
+                      {request.file, 0, 0, "spectrum '" + library.names[line] + "', sample " + std::to_string(i + 1)}});
+  if (!check_spectrum(points, request.file, problems)) return std::nullopt;
+  Material out = material_of(points, false, is_air(request.medium, "", request.file, problems));
+  out.source = std::filesystem::path(request.file).filename().string() + ", spectrum '" + library.names[line] + "'";
   return out;
 }
 
@@ -92,17 +118,43 @@ std::optional<Material> read_library_spectrum(const SpectrumRequest& request, Pr
       return std::nullopt;
     }
   }
-  const double scale = request.scale.value_or(1.0 / library->scale_factor);
-  std::vector<SpectrumPoint> points;
-  for (std::size_t i = 0; i < library->wavelength_um.size(); ++i)
-    points.push_back(
-        {library->wavelength_um[i],
-         library->spectra[line][i] * scale,
-         0,
-         {request.file, 0, 0, "spectrum '" + library->names[line] + "', sample " + std::to_string(i + 1)}});
-  if (!check_spectrum(points, request.file, problems)) return std::nullopt;
-  Material out = material_of(points, false, is_air(request.medium, "", request.file, problems));
-  out.source = std::filesystem::path(request.file).filename().string() + ", spectrum '" + library->names[line] + "'";
+  return library_spectrum(*library, line, request, problems);
+}
+
+/// Whether the file is a library; a header in its place is reported.
+enum class FileKind { csv, library, header };
+FileKind kind_of(const SpectrumRequest& request, Problems& problems) {
+  const std::string extension = lower_case(std::filesystem::path(request.file).extension().string());
+  if (extension == ".sli") return FileKind::library;
+  if (extension != ".hdr") return FileKind::csv;
+  problems.add(request.asked_by, "a header is not the library", request.file,
+               "name the .sli file; its .hdr is found beside it");
+  return FileKind::header;
+}
+
+std::vector<Material> csv_family(const SpectrumRequest& request, Problems& problems) {
+  std::vector<Material> out;
+  const auto csv = read_csv(request.file, request.asked_by, problems);
+  const auto wavelength = csv ? wavelength_column(*csv, problems) : std::nullopt;
+  if (!wavelength) return out;
+  for (std::size_t column = 0; column < csv->columns.size(); ++column) {
+    if (column == wavelength->first) continue;
+    auto member = column_spectrum(*csv, *wavelength, column, std::nullopt, request, problems);
+    if (!member) return {};
+    member->source = std::filesystem::path(csv->file).filename().string() + ", column '" + csv->columns[column] + "'";
+    out.push_back(std::move(*member));
+  }
+  return out;
+}
+
+std::vector<Material> library_family(const SpectrumRequest& request, Problems& problems) {
+  std::vector<Material> out;
+  const auto library = read_envi_library(request.file, request.asked_by, problems);
+  for (std::size_t line = 0; library && line < library->names.size(); ++line) {
+    auto member = library_spectrum(*library, line, request, problems);
+    if (!member) return {};
+    out.push_back(std::move(*member));
+  }
   return out;
 }
 
@@ -161,14 +213,30 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
 }
 
 std::optional<Material> read_spectrum(const SpectrumRequest& request, Problems& problems) {
-  const std::string extension = lower_case(std::filesystem::path(request.file).extension().string());
-  if (extension == ".sli") return read_library_spectrum(request, problems);
-  if (extension == ".hdr") {
-    problems.add(request.asked_by, "a header is not the library", request.file,
-                 "name the .sli file; its .hdr is found beside it");
-    return std::nullopt;
+  switch (kind_of(request, problems)) {
+    case FileKind::library:
+      return read_library_spectrum(request, problems);
+    case FileKind::csv:
+      return read_csv_spectrum(request, problems);
+    case FileKind::header:
+      break;
   }
-  return read_csv_spectrum(request, problems);
+  return std::nullopt;
+}
+
+std::vector<Material> read_family(const SpectrumRequest& request, Problems& problems) {
+  constexpr std::size_t kLeast = 2, kMost = 4096;
+  const FileKind kind = kind_of(request, problems);
+  if (kind == FileKind::header) return {};
+  const std::size_t before = problems.lines().size();
+  std::vector<Material> out =
+      kind == FileKind::library ? library_family(request, problems) : csv_family(request, problems);
+  if (problems.lines().size() == before && (out.size() < kLeast || out.size() > kMost)) {
+    problems.add(request.asked_by, "a family has 2 to 4096 spectra", std::to_string(out.size()) + " in " + request.file,
+                 "give more, or fewer; one spectrum is `file`");
+    return {};
+  }
+  return out;
 }
 
 }  // namespace raycube::scene

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/base/error.h"
 #include "scene_compiler/compiled_scene.h"
@@ -23,6 +24,10 @@ struct SpectrumRequest {
 /// strictly ascending, 0.05 to 1000 um (catches a wrong unit); at least two points; 0 <= r, t and r + t <= 1.
 /// name is left empty.
 std::optional<Material> read_spectrum(const SpectrumRequest& request, base::Problems& problems);
+
+/// All spectra of a file, as opaque materials: each of a library, each column of a CSV beside the wavelength's. The
+/// request's columns and name say nothing. Empty after reporting every problem.
+std::vector<Material> read_family(const SpectrumRequest& request, base::Problems& problems);
 
 /// Unit of a wavelength column "wavelength_nm" or "wavelength_um" in um; nullopt for other names.
 std::optional<double> wavelength_unit_um(const std::string& column);

@@ -12,6 +12,31 @@ TerrainGrid::TerrainGrid(int columns, int rows, const std::array<double, 6>& loc
       determinant_(local_from_pixel[1] * local_from_pixel[5] - local_from_pixel[2] * local_from_pixel[4]),
       z_m_(std::move(z_m)) {}
 
+TerrainGrid TerrainGrid::refined(int times) const {
+  const auto& t = local_from_pixel_;
+  std::array<double, 6> finer = t;
+  for (const std::size_t k : {1u, 2u, 4u, 5u}) finer[k] /= times;
+  // The first post stays where it is, in the middle of a smaller pixel.
+  finer[0] += 0.5 * (t[1] + t[2] - finer[1] - finer[2]), finer[3] += 0.5 * (t[4] + t[5] - finer[4] - finer[5]);
+  const int columns = cell_columns() * times + 1, rows = cell_rows() * times + 1;
+  std::vector<double> z;
+  z.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns; ++c) {
+      const int cell_c = std::min(c / times, columns_ - 2), cell_r = std::min(r / times, rows_ - 2);
+      const double u = static_cast<double>(c - cell_c * times) / times,
+                   v = static_cast<double>(r - cell_r * times) / times;
+      z.push_back(height_in(cell_c, cell_r, u, v));
+    }
+  return TerrainGrid(columns, rows, finer, std::move(z));
+}
+
+double TerrainGrid::height_in(int column, int row, double u, double v) const {
+  const double* post = z_m_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + column;
+  const double nw = post[0], ne = post[1], sw = post[columns_], se = post[columns_ + 1];
+  return v >= u ? nw + v * (sw - nw) + u * (se - sw) : nw + u * (ne - nw) + v * (se - ne);
+}
+
 double TerrainGrid::cell_area_m2() const { return std::abs(determinant_); }
 
 std::array<double, 2> TerrainGrid::local(double column, double row) const {
@@ -55,11 +80,8 @@ std::optional<double> TerrainGrid::height_m(double x_m, double y_m) const {
   std::size_t cell = 0;
   double u = 0, v = 0;
   if (!locate(x_m, y_m, cell, u, v)) return std::nullopt;
-  const std::size_t row = cell / static_cast<std::size_t>(cell_columns()),
-                    column = cell % static_cast<std::size_t>(cell_columns());
-  const double* post = z_m_.data() + row * static_cast<std::size_t>(columns_) + column;
-  const double nw = post[0], ne = post[1], sw = post[columns_], se = post[columns_ + 1];
-  return v >= u ? nw + v * (sw - nw) + u * (se - sw) : nw + u * (ne - nw) + v * (se - ne);
+  const auto columns = static_cast<std::size_t>(cell_columns());
+  return height_in(static_cast<int>(cell % columns), static_cast<int>(cell / columns), u, v);
 }
 
 std::array<double, 2> TerrainGrid::cell_center(std::size_t cell) const {

@@ -21,6 +21,9 @@ class TerrainGrid {
   /// local_from_pixel: of pixel corners, as Raster::transform. z_m: posts, row by row.
   TerrainGrid(int columns, int rows, const std::array<double, 6>& local_from_pixel, std::vector<double> z_m);
 
+  /// The same triangles' planes by `times` x `times` cells for each.
+  TerrainGrid refined(int times) const;
+
   int cell_columns() const { return columns_ - 1; }
   int cell_rows() const { return rows_ - 1; }
   std::size_t cell_count() const {
@@ -46,6 +49,8 @@ class TerrainGrid {
   TriangleMesh mesh(const std::vector<std::uint32_t>& surface_of_cell) const;
 
  private:
+  /// Height at u, v (0 .. 1, right and down) of a cell.
+  double height_in(int column, int row, double u, double v) const;
   /// Posts counted from the first, of any point: column, row.
   std::array<double, 2> post_at(double x_m, double y_m) const;
   bool locate(double x_m, double y_m, std::size_t& cell, double& u, double& v) const;

@@ -232,6 +232,36 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
   return out;
 }
 
+/// The terrain's triangles: its cells cut as asked for, each with the texels at its middle.
+TriangleMesh textured_mesh(const Record& record, const TerrainGrid& grid, const std::vector<std::uint32_t>& surfaces,
+                           MaterialTable& materials, std::vector<std::string>& notices) {
+  const auto times = static_cast<int>(record.integer("refine"));
+  const TerrainGrid finer = times > 1 ? grid.refined(times) : grid;
+  const auto columns = static_cast<std::size_t>(finer.cell_columns());
+  const double cell_m = std::sqrt(finer.cell_area_m2());
+  std::vector<std::uint32_t> of_cell(finer.cell_count()), cut_from(finer.cell_count());
+  double texel_m = 0;
+  for (std::size_t cell = 0; cell < of_cell.size(); ++cell) {
+    const std::size_t row = cell / columns / static_cast<std::size_t>(times),
+                      column = cell % columns / static_cast<std::size_t>(times);
+    const std::size_t coarse = row * static_cast<std::size_t>(grid.cell_columns()) + column;
+    const std::uint32_t surface = surfaces[coarse];
+    cut_from[cell] = static_cast<std::uint32_t>(coarse);
+    const double size_m = materials.texel_m(surface);
+    const auto [x, y] = finer.cell_center(cell);
+    of_cell[cell] = size_m > 0 ? materials.at(surface, x, y) : surface;
+    if (size_m > 0 && (texel_m == 0 || size_m < texel_m)) texel_m = size_m;
+  }
+  if (texel_m > 0 && cell_m > 1.01 * texel_m)
+    notices.push_back("terrain '" + record.text("name") + "': its cells of " + number_text(cell_m) +
+                      " m are larger than texels of " + number_text(texel_m) +
+                      " m, and each has the one at its middle; refine = " +
+                      std::to_string(static_cast<int>(std::ceil(times * cell_m / texel_m - 1e-6))) + " shows them all");
+  TriangleMesh mesh = finer.mesh(of_cell);
+  for (std::uint32_t& face : mesh.user_face) face = cut_from[face];
+  return mesh;
+}
+
 void add_terrain(const Record& record, MaterialTable& materials, SceneParts& parts, Problems& problems) {
   const int ways = int(record.given("material")) + int(record.given("class_map")) + int(record.given("mixture_map"));
   if (ways != 1)
@@ -269,7 +299,9 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
     if (record.given("mixture_map")) surfaces = mixture_surfaces(record, grid, materials, parts, problems);
   }
   parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});
-  parts.meshes.push_back({record.text("name"), grid.mesh(surfaces)});
+  parts.meshes.push_back({record.text("name"), problems.empty()
+                                                   ? textured_mesh(record, grid, surfaces, materials, parts.notices)
+                                                   : grid.mesh(surfaces)});
   parts.terrains.push_back(grid);
   parts.terrain_classes.push_back(std::move(classes));
 }

@@ -9,6 +9,7 @@
 #include "host/lidar/detector.h"
 #include "host/lidar/overlap.h"
 #include "host/lidar/pulse_taps.h"
+#include "scene_compiler/matter.h"
 #include "scene_compiler/owner.h"
 
 namespace raycube::lidar {
@@ -115,7 +116,8 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
     out.front = scene.materials[number].front;
     out.reflectance += share * matter.reflectance;
     if (scene.materials[number].behind.number == RC_SHAPE_leaf) out.through += share * matter.transmittance;
-    if (surface.fraction[m] > largest) largest = surface.fraction[m], out.material = surface.material[m] - 1;
+    if (surface.fraction[m] > largest)
+      largest = surface.fraction[m], out.material = scene::family_surface(scene, surface.material[m] - 1);
   }
   return out;
 }

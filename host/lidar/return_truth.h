@@ -17,7 +17,7 @@ struct ReturnTruth {
   float expected_pe = 0;  ///< photo-electrons of these surfaces, once scattered, without gloss and the image's blur
   int order = 0;          ///< 1; 0 where no first surface explains the echo (noise, air, later bounces)
   std::uint32_t object = RC_NONE;    ///< the user's number of the placement whose surface that sends most
-  std::uint32_t material = RC_NONE;  ///< its material with the largest share
+  std::uint32_t material = RC_NONE;  ///< its material with the largest share, a family's first
   float incidence_deg = 0;           ///< mean angle between beam and normal
   float overlap = 0;                 ///< mean vignetting
   float transmission_2way = 0;       ///< of air and volumes from exit to pupil, mean of the line after the exponential

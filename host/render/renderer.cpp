@@ -17,6 +17,7 @@
 #include "host/render/tile_passes.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::render {
 
@@ -290,7 +291,7 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
 
 RenderedImage Renderer::no_replicates(const scene::Instrument& instrument) const {
   const std::size_t pixels = static_cast<std::size_t>(instrument.lines) * static_cast<std::size_t>(instrument.pixels);
-  return {ReplicateSums(pixels, instrument.bands.size(), state_->scene.materials.size()), {}};
+  return {ReplicateSums(pixels, instrument.bands.size(), scene::named_count(state_->scene)), {}};
 }
 
 void Renderer::add_replicates(const scene::Instrument& given, const plan::Plan& plan, const scene::Sun& sun,

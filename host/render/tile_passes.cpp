@@ -12,6 +12,7 @@
 #include "host/render/standard_error.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::render {
 
@@ -313,7 +314,7 @@ void TilePasses::run_replicate(int replicate, const Tile& tile, const TileOutput
 
 void TilePasses::run_replicates(const Tile& tile, const TileOutput& out) {
   const std::size_t pixels = tile.pixels();
-  ReplicateSums sums(pixels, setup_.shape.bands, setup_.scene.materials.size());
+  ReplicateSums sums(pixels, setup_.shape.bands, scene::named_count(setup_.scene));
   std::vector<PixelTerms> terms(out.terms ? pixels : 0);
   for (int replicate = 0; replicate < setup_.instrument.replicates; ++replicate) {
     base::throw_if_interrupted();

@@ -56,6 +56,7 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
       rows_(setup.context, setup.shape, pixels, row_capacity),
       radiance_(setup.context, pixels * setup.shape.bands_padded, cl::Access::read_write, "radiance of a tile"),
       all_baked_(table_.capacity() > scene::seen_curves(setup.scene).size() + setup.plan.environment.nodes()),
+      named_(scene::named_materials(setup.scene)),
       term_histogram_(kHistogramBins, 0) {
   for (int subset = 0; errors && setup.shape.chunked() && subset < sensors::kSampleSubsets; ++subset)
     subset_rows_.emplace_back(setup.context, setup.shape, pixels, row_capacity);
@@ -85,11 +86,11 @@ std::pair<int, float> TileWorker::view_nodes(std::uint32_t pixel) const {
 }
 
 std::size_t TileWorker::material_of_key(std::uint64_t key) const {
-  return scene::material_of_curve(setup_.scene, rc_key_curve(key, 0));
+  return named_[scene::material_of_curve(setup_.scene, rc_key_curve(key, 0))];
 }
 
 void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const TileOutput& out) {
-  fill_truth({sums, abundance, centre_direction(pixel)}, setup_.scene.materials.size(), setup_.sun,
+  fill_truth({sums, abundance, centre_direction(pixel)}, scene::named_count(setup_.scene), setup_.sun,
              out.truth + pixel * out.layers);
 }
 
@@ -228,7 +229,7 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
                                                    bool use_list, const TileOutput& out) {
   const StageShape& shape = setup_.shape;
   const std::size_t items = pixels.size();
-  const std::size_t materials = setup_.scene.materials.size();
+  const std::size_t materials = scene::named_count(setup_.scene);
   std::optional<cl::Buffer<std::uint32_t>> list;
   if (use_list) list.emplace(setup_.context, pixels, cl::Access::read_only, "list of pixels");
   const PixelSelection selection{static_cast<std::uint32_t>(items), list ? &*list : nullptr};
@@ -324,7 +325,7 @@ std::vector<std::uint32_t> TileWorker::relaunch(const std::vector<std::uint32_t>
 void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const TileOutput& out) {
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
-  const std::size_t bands = shape.bands, materials = setup_.scene.materials.size();
+  const std::size_t bands = shape.bands, materials = scene::named_count(setup_.scene);
   // Every sample deposits at most four keys for each side of its surface, so a chunk can never overflow this row.
   RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.matter.sides * shape.chunk_samples));
   struct Sum {

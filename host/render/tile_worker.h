@@ -108,6 +108,7 @@ class TileWorker {
   TileLayout layout_;
   std::vector<shared::RayGroup> groups_;
   bool all_baked_;
+  std::vector<std::uint32_t> named_;  ///< scene::named_materials
   RenderStatistics statistics_;
   std::vector<std::uint64_t> term_histogram_;
   std::vector<std::pair<std::uint32_t, std::vector<double>>> host_radiance_;  ///< pixels summed on the host

@@ -17,7 +17,8 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene) {
 #undef RC_TRUTH_LAYER
   };
   for (const auto& material : scene.materials)
-    layers.push_back({"abundance_" + material.name, "1", "share of the pixel covered by " + material.name});
+    if (material.in_family == 0)
+      layers.push_back({"abundance_" + material.name, "1", "share of the pixel covered by " + material.name});
   return layers;
 }
 

@@ -12,7 +12,7 @@
 namespace raycube::render {
 
 /// Bands of the fixed layers, by the names of truth_layers.def; a material's abundance follows at abundance + its
-/// index.
+/// number (scene::named_materials).
 namespace truth {
 enum Layer {
 #define RC_TRUTH_LAYER(name, unit, text) name,
@@ -35,7 +35,7 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, cons
 /// What the shading stage left of one pixel.
 struct PixelTruth {
   const float* sums = nullptr;        ///< RC_TRUTH_SUMS floats
-  const float* abundance = nullptr;   ///< one float per material
+  const float* abundance = nullptr;   ///< one float per material that the user named
   std::array<double, 3> to_target{};  ///< pixel-centre ray direction, any length
 };
 

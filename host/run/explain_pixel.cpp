@@ -23,7 +23,9 @@ Origin origin_of(const plan::Plan& plan, const scene::CompiledScene& scene, cons
   if (term.key == 0) return {LightKind::path, 0, 0};
   if ((term.key & plan::kSkeletonKey) == plan::kSkeletonKey) return {LightKind::between_surfaces, 0, 0};
   if (term.key & plan::kEnvironmentKey) return {LightKind::ground_around, 0, 0};
-  const std::uint32_t curve = rc_key_curve(term.key, 0);
+  const std::uint32_t member = rc_key_curve(term.key, 0);
+  // Members of a family are one material, and their curves follow one another.
+  const std::uint32_t curve = member - scene.materials[scene::material_of_curve(scene, member)].in_family;
   const int source = static_cast<int>(term.channel) / (plan.height.count * plan.view.count);
   if (source < plan.first_component()) return {LightKind::sun, curve, 0};
   if (source >= plan.first_emission())  // a leaf's is 1 less both of its curves

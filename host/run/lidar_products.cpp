@@ -22,6 +22,7 @@
 #include "host/products/las_writer.h"
 #include "host/products/map_grid.h"
 #include "host/products/time_cube.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::run {
 namespace {
@@ -209,8 +210,8 @@ struct LidarProducts::State {
     t.detection_probability = echo.detection_probability;
     t.bounce_order = static_cast<std::uint8_t>(behind.order);
     t.object_id = behind.object;
-    t.material_id =
-        behind.material == RC_NONE ? products::LasTruth::kNoMaterial : static_cast<std::uint16_t>(behind.material);
+    t.material_id = behind.material == RC_NONE ? products::LasTruth::kNoMaterial
+                                               : static_cast<std::uint16_t>(named[behind.material]);
     t.incidence_deg = behind.incidence_deg;
     t.gff = behind.overlap;
     t.transmission_2way = behind.transmission_2way;
@@ -299,6 +300,7 @@ struct LidarProducts::State {
 
   std::string folder;
   const scene::Simulation& simulation;
+  const std::vector<std::uint32_t> named{scene::named_materials(simulation.scene)};  ///< of each of the materials
   const lidar::LidarPlan& plan;
   const scene::Lidar& lidar;
   const lidar::FlatVolumes volumes;

@@ -196,7 +196,7 @@ class Collector {
     const shared::Surface& mixed = scene_.surfaces[surface];
     const auto most =
         std::max_element(std::begin(mixed.fraction), std::end(mixed.fraction)) - std::begin(mixed.fraction);
-    return mixed.material[most];
+    return mixed.material[most] > 0 ? scene::family_surface(scene_, mixed.material[most] - 1) + 1 : 0;
   }
   std::uint64_t first_kind(std::uint32_t mesh) const {
     const auto triangles = triangles_.of(mesh);
@@ -241,7 +241,8 @@ class Collector {
     return true;
   }
 
-  /// A mesh's triangles, surface by surface: those with more than kMostTriangles are only counted.
+  /// A mesh's triangles, surface by surface, a family's members as one: those with more than kMostTriangles are only
+  /// counted.
   struct BySurface {
     struct Surface {
       std::uint32_t number = 0;
@@ -258,7 +259,7 @@ class Collector {
     std::map<std::uint32_t, std::size_t> count;
     std::size_t* same = nullptr;
     for (std::size_t t = 0; t < all.size(); ++t) {
-      if (t == 0 || number[t] != number[t - 1]) same = &count[number[t]];
+      if (t == 0 || number[t] != number[t - 1]) same = &count[scene::family_surface(scene_, number[t])];
       ++*same;
     }
     BySurface out;
@@ -271,7 +272,7 @@ class Collector {
     out.triangles.resize(end);
     auto at = next.end();
     for (std::size_t t = 0; t < all.size(); ++t) {
-      if (t == 0 || number[t] != number[t - 1]) at = next.find(number[t]);
+      if (t == 0 || number[t] != number[t - 1]) at = next.find(scene::family_surface(scene_, number[t]));
       if (at != next.end()) out.triangles[at->second++] = all[t];
     }
     return out;

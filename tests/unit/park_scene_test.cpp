@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <string>
 
 #include "scene_compiler/load_simulation.h"
 #include "scene_compiler/scene_info.h"
+#include "scene_compiler/spectrum_file.h"
 
 using namespace raycube;
 
@@ -40,6 +42,19 @@ void almanac_sun(double days_since_j2000, double latitude_deg, double longitude_
       std::cos(latitude) * std::sin(declination) - std::sin(latitude) * std::cos(declination) * std::cos(hour);
   zenith_deg = std::acos(up) / rad;
   azimuth_deg = std::fmod(std::atan2(east, north) / rad + 360, 360);
+}
+
+double value_at(const scene::Curve& curve, double um) {
+  const auto& w = curve.wavelength_um;
+  const auto i = static_cast<std::size_t>(std::upper_bound(w.begin() + 1, w.end() - 1, um) - w.begin());
+  const double f = (um - w[i - 1]) / (w[i] - w[i - 1]);
+  return (1 - f) * curve.value[i - 1] + f * curve.value[i];
+}
+
+/// Reflectance of a deep pile of leaves: R = r + t^2 R / (1 - r R) (Stokes 1862).
+double deep_pile(double r, double t) {
+  const double b = 1 + r * r - t * t;
+  return (b - std::sqrt(b * b - 4 * r * r)) / (2 * r);
 }
 
 }  // namespace
@@ -79,6 +94,42 @@ TEST_CASE("S1 S2 S3 S42: the shipped park compiles; one mesh is stored however m
     CHECK_MESSAGE(material.reflectance.wavelength_um.front() < 0.3994 - 2.5 * 0.0046, material.name);
     CHECK_MESSAGE(material.reflectance.wavelength_um.back() > 2.4503 + 2.5 * 0.0063, material.name);
     CHECK_MESSAGE(!material.source.empty(), material.name);
+  }
+}
+
+TEST_CASE("S24: the park's leaves, piled, are the foliage that libraries measured") {
+  // Shares of a pile that light does not fall past, and what least squares over contents and share leave, rms:
+  // docs/park.md.
+  const struct {
+    const char* name;
+    double share, rms;
+  } piles[] = {{"maple_leaf", 0.898, 0.009},
+               {"aspen_leaf", 0.662, 0.011},
+               {"walnut_leaf", 0.774, 0.011},
+               {"spruce_needles", 0.771, 0.0225}};
+  const auto simulation = scene::load_simulation(park_file());
+  for (const auto& [name, share, rms] : piles) {
+    CAPTURE(name);
+    base::Problems problems;
+    scene::SpectrumRequest request;
+    request.file = std::filesystem::path(park_file()).parent_path() / "spectra" / (std::string(name) + ".csv");
+    const auto measured = scene::read_spectrum(request, problems);
+    REQUIRE(measured);
+    const auto& materials = simulation.scene.materials;
+    const auto leaf = std::find_if(materials.begin(), materials.end(), [&](const auto& m) { return m.name == name; });
+    REQUIRE(leaf != materials.end());
+    const auto& [wavelength_um, foliage] = measured->reflectance;
+    double sum = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < foliage.size(); ++i) {
+      if (wavelength_um[i] < 0.4 || wavelength_um[i] > 2.49) continue;
+      const double r = value_at(leaf->reflectance, wavelength_um[i]);
+      const double t = value_at(leaf->transmittance, wavelength_um[i]);
+      sum += std::pow(share * deep_pile(r, t) - foliage[i], 2);
+      ++count;
+    }
+    CHECK(count > 200);
+    CHECK(std::sqrt(sum / count) < rms);
   }
 }
 

@@ -187,7 +187,7 @@ TEST_CASE("bad input: a flood of bad points is cut with a count") {
 TEST_CASE("bad input: material with neither or both sources, defined twice") {
   const Folder folder;
   CHECK_SAYS(refusal(folder, "format = 1\n[[material]]\nname = \"m\"\n"),
-             "scene.toml:2:1: material 'm' needs exactly one of file, reflectance and leaf (found none)");
+             "scene.toml:2:1: material 'm' needs exactly one of file, family, reflectance and leaf (found none)");
   CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + kGrey),
              "scene.toml:5:1: material 'grey' is defined twice (found first in scene.toml:2:1)");
 }

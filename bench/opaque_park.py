@@ -1,0 +1,28 @@
+#!/usr/bin/python3
+"""The shipped park with leaves as opaque as they were before light went through them: bench/opaque_park.py OUT [--seed N]
+
+Benchmarks that compare programs and commits take this one, so that their figures go on meaning the same: foliage of
+stacked leaves (scenes/park/spectra), no transmittance. Everything else is scenes/park/generate.py's.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+LEAF = re.compile(r'name = "(\w+)"\nleaf = [^\n]*\nreflectance_beyond = [^\n]*\n')
+
+
+def main():
+    out = pathlib.Path(sys.argv[1])
+    subprocess.run(["/usr/bin/python3", ROOT / "scenes/park/generate.py", *sys.argv[1:]], check=True)
+    materials = out / "materials.toml"
+    text, leaves = LEAF.subn(r'name = "\1"\nfile = "spectra/\1.csv"\n', materials.read_text())
+    if leaves != 4:
+        raise SystemExit(f"opaque_park: {leaves} leaves in {materials}, not 4: follow what became of the park's materials")
+    materials.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
