@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The shipped park with leaves as opaque as they were before light went through them: bench/opaque_park.py OUT [--seed N]
+"""The shipped park with leaves as opaque as before light went through them: bench/opaque_park.py OUT [--seed N]
 
 Benchmarks that compare programs and commits take this one, so that their figures go on meaning the same: foliage of
 stacked leaves (scenes/park/spectra), no transmittance. Everything else is scenes/park/generate.py's.
@@ -20,7 +20,7 @@ def main():
     materials = out / "materials.toml"
     text, leaves = LEAF.subn(r'name = "\1"\nfile = "spectra/\1.csv"\n', materials.read_text())
     if leaves != 4:
-        raise SystemExit(f"opaque_park: {leaves} leaves in {materials}, not 4: follow what became of the park's materials")
+        raise SystemExit(f"opaque_park: {leaves} leaves in {materials}, not 4: its materials have changed")
     materials.write_text(text)
 
 

@@ -12,7 +12,8 @@ Samples and sky directions are the planner's; air and kernels are cached by a ru
 build/bench/waits.json, flat: `wait_TASK_s`, the least of N runs from the command to its end; processor seconds
 `plan_processor_TASK_s` and `render_processor_TASK_s` of one cube, the least of N; and `plan_over_allowance_TASK`,
 planning over the larger of a quarter of the render and 0.3 s, whose bar is 1. With --before also `wait_TASK_before_s`
-of that commit's program (bench/before.py builds it). The machine should be otherwise idle.
+of that commit's program (bench/before.py builds it), of one run, over a park of opaque leaves. The machine should be
+otherwise idle.
 """
 
 import argparse
@@ -57,10 +58,11 @@ def starter(program):
     return opened(folder / "starter.toml")
 
 
-def park():
-    folder = WORK / "park"
+def park(old):
+    """The shipped park; for programs that know no leaves made of their content the one of opaque leaves."""
+    folder = WORK / ("park_opaque" if old else "park")
     if not (folder / "park.toml").exists():
-        shell("/usr/bin/python3", ROOT / "scenes/park/generate.py", folder)
+        shell("/usr/bin/python3", ROOT / ("bench/opaque_park.py" if old else "scenes/park/generate.py"), folder)
     return opened(folder / "park.toml", tolerance=0.03)
 
 
@@ -135,8 +137,8 @@ def emit():
 
 
 class Waits:
-    def __init__(self, program, runs):
-        self.program, self.runs, self.out = program, runs, WORK / "out"
+    def __init__(self, program, runs, old=False):
+        self.program, self.runs, self.old, self.out = program, runs, old, WORK / "out"
 
     def render(self, file, instrument, *more):
         """Seconds from the command to its end, and run.json."""
@@ -196,7 +198,7 @@ class Waits:
         """Name: seconds and processor seconds by part."""
         cubes = {
             "starter": (starter(self.program), "camera"),
-            "park": (park(), "spectir"),
+            "park": (park(self.old), "spectir"),
             "emit": (emit(), "emit"),
             "one_of_study": (study(0), "imager"),
         }
@@ -230,7 +232,7 @@ def main():
     options = parser.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
     found = Waits(ROOT / "build/raycube", options.runs).all()
-    old = Waits(before.built(options.before), options.runs).all() if options.before else {}
+    old = Waits(before.built(options.before), 1, old=True).all() if options.before else {}
     keys = figures_of(found, old)
     if options.before:
         keys["waits_before"] = options.before

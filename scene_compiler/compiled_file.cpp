@@ -137,7 +137,7 @@ void archive_content(Archive& ar, Scene& scene) {
   ar(scene.hi);
 }
 
-/// What pulses alone see.
+/// Ways of transmission, gloss and volumes.
 template <class Archive, class Scene>
 void archive_pulse_matter(Archive& ar, Scene& scene) {
   for (auto& material : scene.materials) {

@@ -34,8 +34,8 @@ struct Material {
   Curve transmittance;            ///< empty when opaque
   double temperature_K = 0;       ///< fixed temperature of everything made of it; 0: none given
   Shape front{RC_SHAPE_lambert};  ///< how its reflectance is spread over directions
-  Shape behind{RC_SHAPE_leaf};    ///< where its transmittance goes (pulses alone)
-  Shape gloss{RC_SHAPE_none};     ///< beside its reflectance (pulses alone)
+  Shape behind{RC_SHAPE_leaf};    ///< where its transmittance goes
+  Shape gloss{RC_SHAPE_none};     ///< beside its reflectance
   std::uint32_t in_family = 0;    ///< place among the members, which follow one another; 0: the first, or no family
 };
 

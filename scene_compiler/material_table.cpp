@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "kernels/shared/product_key.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/leaf_optics.h"
 #include "scene_compiler/shape_list.h"
@@ -148,8 +149,8 @@ void read_front(const Record& record, Material& out, Problems& problems) {
   }
 }
 
-/// What pulses see beyond the spectra: the way of transmitted light, and gloss.
-void read_pulse_matter(const Record& record, Material& out, Problems& problems) {
+/// The way of transmitted light, and gloss.
+void read_lobes(const Record& record, Material& out, Problems& problems) {
   out.behind.number = find_shape(record.text("transmission"), ShapeRole::behind)->number;
   if (record.given("transmission") && out.transmittance.wavelength_um.empty())
     problems.add(record.place("transmission"), "'transmission' needs a transmittance", "an opaque material",
@@ -190,7 +191,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       }
       if (record.sound && !material.reflectance.value.empty()) {
         read_front(record, material, problems);
-        read_pulse_matter(record, material, problems);
+        read_lobes(record, material, problems);
       }
       material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
       if (record.given("source")) material.source = record.text("source");
@@ -199,6 +200,12 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh) {
       problems.add(record.where, "material '" + name + "' is defined twice", "first in " + place->second.text(),
                    "rename or remove one");
+      continue;
+    }
+    if (std::uint64_t{RC_CURVE_ROLES} * (materials_.size() + members.size()) > RC_KEY_MASK) {
+      problems.add(record.where, "more spectra than a scene can hold",
+                   std::to_string(materials_.size() + members.size()) + " with those of '" + name + "'",
+                   "at most " + std::to_string(RC_KEY_MASK / RC_CURVE_ROLES) + ": give smaller families");
       continue;
     }
     if (texture) textures_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*texture));
@@ -234,6 +241,7 @@ std::uint32_t MaterialTable::at(std::uint32_t surface, double u_m, double v_m) {
 }
 
 double MaterialTable::texel_m(std::uint32_t surface) const {
+  if (textures_.empty()) return 0;
   double out = 0;
   for (const std::uint32_t material : surfaces_[surface].material)
     if (const auto texture = textures_.find(material - 1); material > 0 && texture != textures_.end())

@@ -75,9 +75,40 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
 
 CameraMatter camera_matter(const CompiledScene& scene) {
   const auto used = used_materials(scene);
-  const bool through =
-      std::any_of(used.begin(), used.end(), [&](std::uint32_t m) { return lets_light_through(scene.materials[m]); });
-  return {first_shaped(scene) != nullptr, through ? 2 : 1, material_count(scene)};
+  const auto any = [&](auto&& has) {
+    return std::any_of(used.begin(), used.end(), [&](std::uint32_t m) { return has(scene.materials[m]); });
+  };
+  CameraMatter out;
+  out.through = any([](const Material& material) { return lets_light_through(material); });
+  out.glossy = any([](const Material& material) { return material.gloss.number != RC_SHAPE_none; });
+  out.shaped = out.glossy || first_shaped(scene) != nullptr;
+  out.materials = material_count(scene);
+  return out;
+}
+
+const Shape* gloss_of(const CompiledScene& scene, std::uint32_t primitive) {
+  const Shape* gloss = nullptr;
+  for_each_material(matter_of(scene, primitive), [&](std::size_t material, float) {
+    if (scene.materials[material].gloss.number != RC_SHAPE_none) gloss = &scene.materials[material].gloss;
+  });
+  return gloss;
+}
+
+const Curve& white_curve() {
+  static const Curve white{{0.05, 1000.0}, {1.0, 1.0}};
+  return white;
+}
+
+bool counts(const CompiledScene& scene, std::uint32_t curve) {
+  const Material& owner = scene.materials[material_of_curve(scene, curve)];
+  switch (rc_curve_role(curve, material_count(scene))) {
+    case RC_CURVE_TRANSMITTANCE:
+      return lets_light_through(owner);
+    case RC_CURVE_GLOSS:
+      return owner.gloss.number != RC_SHAPE_none;
+    default:
+      return true;
+  }
 }
 
 bool lets_light_through(const Material& material) {
@@ -96,8 +127,11 @@ std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
   std::vector<std::uint32_t> out;
   const auto used = used_materials(scene);
   for (const auto material : used) out.push_back(reflectance_curve(scene, material));
-  if (camera_matter(scene).sides > 1)
-    for (const auto material : used) out.push_back(transmittance_curve(scene, material));
+  const CameraMatter matter = camera_matter(scene);
+  for (const auto material : used)
+    if (matter.through) out.push_back(transmittance_curve(scene, material));
+  for (const auto material : used)
+    if (matter.glossy) out.push_back(gloss_curve(scene, material));
   return out;
 }
 

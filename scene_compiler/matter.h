@@ -46,6 +46,9 @@ void for_each_material(const shared::Surface& surface, F&& f) {
     if (surface.material[i] != 0) f(static_cast<std::size_t>(surface.material[i] - 1), surface.fraction[i]);
 }
 
+/// The narrowest gloss that cameras see: below it single precision and the sun as a point would show.
+inline constexpr double kLeastRoughness = 0.1;
+
 /// Shapes of every surface, [surface][RC_LOBES]. Materials mixed in one surface share what they reflect by one shape.
 std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene);
 
@@ -58,16 +61,24 @@ bool lets_light_through(const Material& material);
 /// The same of any of a primitive's materials.
 bool lets_light_through(const CompiledScene& scene, std::uint32_t primitive);
 
+/// The gloss of what a primitive is made of; none. Of materials mixed in one surface cameras take one gloss at most
+/// (plan::check_curves).
+const Shape* gloss_of(const CompiledScene& scene, std::uint32_t primitive);
+
 /// What the matter of a scene asks of a camera's kernels.
 struct CameraMatter {
-  bool shaped = false;          ///< some used material does not reflect by Lambert's law (kernels/materials)
-  int sides = 1;                ///< of a surface from which light goes to the viewer: 2 where matter lets light through
+  bool shaped = false;          ///< some used material does not reflect by Lambert's law, or is glossy too
+  bool through = false;         ///< some lets light through
+  bool glossy = false;          ///< some has a gloss beside what it reflects
   std::uint32_t materials = 0;  ///< of the scene
+  /// Slots of a sample: the near side, the far one where matter lets light through, the near one's gloss where some is.
+  int sides() const { return 1 + int{through} + int{glossy}; }
 };
 CameraMatter camera_matter(const CompiledScene& scene);
 
-/// Curves by which cameras see the used materials, ascending: reflectances, and where any of them lets light through
-/// the transmittances of all, since they may share surfaces; those of opaque ones and plates count as zero.
+/// Curves by which cameras see the used materials, ascending: reflectances, where any of them lets light through the
+/// transmittances of all, since they may share surfaces, and where any is glossy the glosses of all; those of materials
+/// without count as zero.
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene);
 
 /// Curves are numbered from 1, see kernels/shared/product_key.h.
@@ -76,6 +87,10 @@ inline std::uint32_t curve_count(const CompiledScene& scene) { return RC_CURVE_R
 /// Id of a material's reflectance.
 inline std::uint32_t reflectance_curve(const CompiledScene& scene, std::size_t material) {
   return rc_curve_id(RC_CURVE_REFLECTANCE, static_cast<std::uint32_t>(material), material_count(scene));
+}
+
+inline std::uint32_t gloss_curve(const CompiledScene& scene, std::size_t material) {
+  return rc_curve_id(RC_CURVE_GLOSS, static_cast<std::uint32_t>(material), material_count(scene));
 }
 
 inline std::uint32_t transmittance_curve(const CompiledScene& scene, std::size_t material) {
@@ -87,9 +102,18 @@ inline std::uint32_t material_of_curve(const CompiledScene& scene, std::uint32_t
   return rc_curve_material(curve, material_count(scene));
 }
 
+/// 1 at every wavelength: what a gloss is multiplied by, whose own form holds its reflectance.
+const Curve& white_curve();
+
 inline const Curve& curve_of(const CompiledScene& scene, std::uint32_t curve) {
   const Material& owner = scene.materials[material_of_curve(scene, curve)];
-  return rc_curve_role(curve, material_count(scene)) == RC_CURVE_REFLECTANCE ? owner.reflectance : owner.transmittance;
+  const std::uint32_t role = rc_curve_role(curve, material_count(scene));
+  return role == RC_CURVE_GLOSS         ? white_curve()
+         : role == RC_CURVE_REFLECTANCE ? owner.reflectance
+                                        : owner.transmittance;
 }
+
+/// Whether light goes to a camera by a curve: by the transmittance of a leaf, and a glossy material's gloss.
+bool counts(const CompiledScene& scene, std::uint32_t curve);
 
 }  // namespace raycube::scene

@@ -75,7 +75,8 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
   double worst = 0;
   std::size_t at = 0, coarse = 0;
   const auto size_of = [&](std::size_t i) {
-    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : boxes[i].size_m;
+    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) / parts.terrain_refine[i]
+                                     : boxes[i].size_m;
   };
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (boxes[i].empty()) continue;

@@ -1,6 +1,7 @@
 #include "scene_compiler/scene_builder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/document_values.h"
@@ -32,7 +33,8 @@ Cut texels_of(std::uint32_t surface, MaterialTable& materials) {
 }
 
 bool too_many_cells(double width_m, double length_m, const Cut& cut, const Record& record, Problems& problems) {
-  if (cut.cell_m <= 0 || (width_m / cut.cell_m) * (length_m / cut.cell_m) <= 1e7) return false;
+  const auto along = [&](double size_m) { return std::max(1.0, std::ceil(size_m / cut.cell_m)); };
+  if (cut.cell_m <= 0 || along(width_m) * along(length_m) <= 1e7) return false;
   problems.add(record.where, "more than 1e7 squares of a checkerboard or texture on one face",
                number_text(width_m) + " x " + number_text(length_m) + " m of " + number_text(cut.cell_m) + " m",
                "use larger squares or texels");

@@ -31,6 +31,7 @@ struct SceneParts {
   std::vector<TerrainGrid> terrains;
   bool terrains_whole = true;  ///< false: one could not be read and has been reported; heights say nothing
   std::vector<std::vector<int>> terrain_classes;  ///< class of each cell; empty without class map
+  std::vector<int> terrain_refine;                ///< into how many along each side its triangles cut a cell
   std::vector<std::string> notices;               ///< dropped faces, meshes never placed
 
   /// Height of the highest terrain at a point, or nullopt off all of them.

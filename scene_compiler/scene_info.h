@@ -29,9 +29,9 @@ struct MaterialInfo {
   double first_um = 0, last_um = 0;  ///< range of the reflectance curve
   std::size_t points = 0;
   bool transmits = false;
-  bool plate = false, gloss = false;  ///< for pulses
-  std::string shape;                  ///< how it reflects: a name of kernels/materials
-  std::size_t spectra = 1;            ///< members of its family
+  bool plate = false, gloss = false;
+  std::string shape;        ///< how it reflects: a name of kernels/materials
+  std::size_t spectra = 1;  ///< members of its family
 };
 
 struct VolumeInfo {

@@ -139,8 +139,15 @@ std::vector<Material> csv_family(const SpectrumRequest& request, Problems& probl
   if (!wavelength) return out;
   for (std::size_t column = 0; column < csv->columns.size(); ++column) {
     if (column == wavelength->first) continue;
+    if (const std::string& name = csv->columns[column];
+        name == "transmittance" || wavelength_unit_um(name).has_value()) {
+      problems.add({csv->file, csv->header_line, 0, ""}, "no spectrum of a family", "column '" + name + "'",
+                   "remove it: each column beside the wavelength is a reflectance");
+      return {};
+    }
+    const std::size_t before = problems.lines().size();
     auto member = column_spectrum(*csv, *wavelength, column, std::nullopt, request, problems);
-    if (!member) return {};
+    if (!member || problems.lines().size() > before) return {};
     member->source = std::filesystem::path(csv->file).filename().string() + ", column '" + csv->columns[column] + "'";
     out.push_back(std::move(*member));
   }
@@ -151,8 +158,9 @@ std::vector<Material> library_family(const SpectrumRequest& request, Problems& p
   std::vector<Material> out;
   const auto library = read_envi_library(request.file, request.asked_by, problems);
   for (std::size_t line = 0; library && line < library->names.size(); ++line) {
+    const std::size_t before = problems.lines().size();
     auto member = library_spectrum(*library, line, request, problems);
-    if (!member) return {};
+    if (!member || problems.lines().size() > before) return {};
     out.push_back(std::move(*member));
   }
   return out;

@@ -232,6 +232,28 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
   return out;
 }
 
+constexpr int kMostRefined = 64;
+constexpr double kMostTerrainCells = 1e8;  ///< of a terrain: 16 GB of triangles and trees
+
+/// How a terrain shows textures `times` as fine as its cells.
+std::string finer_text(double times) {
+  const int whole = static_cast<int>(std::ceil(times - 1e-6));
+  return whole <= kMostRefined
+             ? "refine = " + std::to_string(whole) + " shows them all"
+             : "refine goes to " + std::to_string(kMostRefined) + ": give a finer raster or larger texels";
+}
+
+/// Whether a terrain of so many cells can be cut as it asks for.
+bool can_refine(const Record& record, const TerrainGrid& grid, Problems& problems) {
+  const auto cells = static_cast<double>(grid.cell_count()), times = static_cast<double>(record.integer("refine"));
+  if (times == 1 || cells * times * times <= kMostTerrainCells) return true;
+  problems.add(record.place("refine"), "a terrain of more than 1e8 cells",
+               number_text(cells) + " cells, each cut into " + number_text(times * times),
+               "refine = " + std::to_string(std::max(1, static_cast<int>(std::sqrt(kMostTerrainCells / cells)))) +
+                   " fits, or split the raster");
+  return false;
+}
+
 /// The terrain's triangles: its cells cut as asked for, each with the texels at its middle.
 TriangleMesh textured_mesh(const Record& record, const TerrainGrid& grid, const std::vector<std::uint32_t>& surfaces,
                            MaterialTable& materials, std::vector<std::string>& notices) {
@@ -255,8 +277,7 @@ TriangleMesh textured_mesh(const Record& record, const TerrainGrid& grid, const 
   if (texel_m > 0 && cell_m > 1.01 * texel_m)
     notices.push_back("terrain '" + record.text("name") + "': its cells of " + number_text(cell_m) +
                       " m are larger than texels of " + number_text(texel_m) +
-                      " m, and each has the one at its middle; refine = " +
-                      std::to_string(static_cast<int>(std::ceil(times * cell_m / texel_m - 1e-6))) + " shows them all");
+                      " m, and each has the one at its middle; " + finer_text(times * cell_m / texel_m));
   TriangleMesh mesh = finer.mesh(of_cell);
   for (std::uint32_t& face : mesh.user_face) face = cut_from[face];
   return mesh;
@@ -299,11 +320,12 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
     if (record.given("mixture_map")) surfaces = mixture_surfaces(record, grid, materials, parts, problems);
   }
   parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});
-  parts.meshes.push_back({record.text("name"), problems.empty()
+  parts.meshes.push_back({record.text("name"), can_refine(record, grid, problems) && problems.empty()
                                                    ? textured_mesh(record, grid, surfaces, materials, parts.notices)
                                                    : grid.mesh(surfaces)});
   parts.terrains.push_back(grid);
   parts.terrain_classes.push_back(std::move(classes));
+  parts.terrain_refine.push_back(static_cast<int>(record.integer("refine")));
 }
 
 }  // namespace

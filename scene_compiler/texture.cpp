@@ -47,7 +47,8 @@ std::vector<std::uint16_t> by_rank(const std::vector<double>& texels, const std:
   });
   std::vector<std::uint16_t> out(texels.size());
   for (std::size_t rank = 0; rank < places.size(); ++rank)
-    out[places[rank]] = static_cast<std::uint16_t>(darkest_first[rank * darkest_first.size() / texels.size()]);
+    out[places[rank]] =
+        static_cast<std::uint16_t>(darkest_first[(2 * rank + 1) * darkest_first.size() / (2 * texels.size())]);
   return out;
 }
 

@@ -3,6 +3,7 @@ raycube_test(scene_bad_input SOURCES unit/scene_bad_input_test.cpp LIBS raycube:
 raycube_test(sun_position SOURCES oracle/sun_position_test.cpp LIBS raycube::scene_compiler raycube::atmos_tables LABELS
   fast)
 raycube_test(scene_spectra SOURCES unit/scene_spectra_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(texture_choice SOURCES unit/texture_choice_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(leaf_optics SOURCES oracle/leaf_optics_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_terrain SOURCES unit/scene_terrain_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_content SOURCES unit/scene_content_test.cpp LIBS raycube::scene_compiler LABELS fast)

@@ -60,7 +60,11 @@ const scene::Instrument& only_instrument(const scene::Simulation& simulation, co
 
 std::string name_of(const run::PixelPart& light) {
   using enum run::LightKind;
-  const std::string of = light.material.empty() ? "" : (light.through ? " through " : " on ") + light.material;
+  const std::string of = light.material.empty() ? ""
+                                                : (light.through ? " through "
+                                                   : light.gloss ? " by the gloss of "
+                                                                 : " on ") +
+                                                      light.material;
   switch (light.kind) {
     case path:
       return "path: air before the scene";
@@ -120,7 +124,8 @@ nlohmann::ordered_json to_json(const run::PixelBudget& budget, const scene::Inst
     nlohmann::ordered_json one = {{"kind", kLightKinds[static_cast<std::size_t>(light.kind)]}};
     if (light.number > 0) one["number"] = light.number;
     if (light.and_more) one["and_more"] = true;
-    if (!light.material.empty()) one["material"] = light.material, one["through"] = light.through;
+    if (!light.material.empty())
+      one["material"] = light.material, one["through"] = light.through, one["gloss"] = light.gloss;
     one["radiance"] = light.radiance;
     all["light"].push_back(std::move(one));
   }

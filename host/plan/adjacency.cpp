@@ -91,7 +91,11 @@ void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, co
 std::vector<std::pair<std::string, double>> mean_ground(const EnvironmentMap& map, const scene::CompiledScene& scene) {
   std::vector<std::pair<std::string, double>> out;
   for (std::size_t c = 0; c < map.mean.size(); ++c)
-    if (map.mean[c] > 0) out.emplace_back(scene.materials[c].name, map.mean[c]);
+    if (map.mean[c] > 0) {
+      if (out.empty() || scene.materials[c].in_family == 0 || out.back().first != scene.materials[c].name)
+        out.emplace_back(scene.materials[c].name, 0.0);
+      out.back().second += map.mean[c];  // a family's members follow one another
+    }
   return out;
 }
 

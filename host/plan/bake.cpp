@@ -43,7 +43,8 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
   return out;
 }
 
-/// Product of a key's curves on the plan's grid; 1 without any. A material that lets no light through is opaque.
+/// Product of a key's curves on the plan's grid; 1 without any. By the transmittance of an opaque material, or the
+/// gloss of a dull one, nothing goes.
 std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
   std::vector<double> product(plan.wavelength_um.size(), 1.0);
   for (std::uint32_t c = 0; c < rc_key_count(key); ++c) {
@@ -52,10 +53,9 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
       throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " +
                                               std::to_string(scene::curve_count(scene)));
     const auto& owner = scene.materials[scene::material_of_curve(scene, curve)];
-    const bool through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;
-    const std::vector<double> values = through && !scene::lets_light_through(owner)
-                                           ? std::vector<double>(product.size(), 0.0)
-                                           : sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um);
+    const std::vector<double> values = scene::counts(scene, curve)
+                                           ? sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um)
+                                           : std::vector<double>(product.size(), 0.0);
     for (std::size_t i = 0; i < product.size(); ++i) product[i] *= values[i];
   }
   return product;

@@ -26,10 +26,11 @@ constexpr std::size_t kMostWavelengths = 128, kStep = 16;
 constexpr double kNothingLeft = 1e-12;        ///< of the largest column: rounding of what has been taken out
 constexpr double kFewest = 0.1, kMost = 0.9;  ///< chance of the side by which a path leaves a leaf
 constexpr double kMostSeen = 4;               ///< light at a place over that of the bands there, so far counted
+constexpr double kGrazing = 0.05;             ///< hemispherical mean of Schlick's rise of a gloss, (1 - cos)^5, about
 constexpr std::uint32_t kTraining = 61, kJudging = 62;
 
-/// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums;
-/// none of what is black.
+/// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums,
+/// and 1, a gloss's; none of what is black.
 Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
   Curves out;
   for (const auto number : scene::used_materials(scene)) {
@@ -41,6 +42,8 @@ Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
     out.push_back(out[reflectance]);
     for (std::size_t i = 0; i < plan.wavelength_um.size(); ++i) out.back()[i] += out[reflectance + 1][i];
   }
+  // Of what a gloss mirrors there is a curve less.
+  if (plan.matter.glossy) out.emplace_back(plan.wavelength_um.size(), 1.0);
   std::erase_if(out, [](const auto& curve) { return !(*std::max_element(curve.begin(), curve.end()) > 0); });
   return out;
 }
@@ -361,6 +364,7 @@ void sample_skeleton(Bounces& out, const Plan& plan, const scene::CompiledScene&
     const scene::Material& material = scene.materials[number];
     sample(material, scene::reflectance_curve(scene, number));
     if (scene::lets_light_through(material)) sample(material, scene::transmittance_curve(scene, number));
+    if (material.gloss.number != RC_SHAPE_none) sample(material, scene::gloss_curve(scene, number));
   }
 }
 
@@ -396,6 +400,12 @@ void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
     for (std::size_t m = 0; m < count; ++m) largest = std::max(largest, side[0][m] + side[1][m]);
     shared::rc_float4 law{};
     law.x = static_cast<float>(near_chance(side[0], side[1])), law.y = static_cast<float>(largest);
+    scene::for_each_material(surface, [&](std::size_t material, float) {
+      const scene::Shape& gloss = scene.materials[material].gloss;
+      if (gloss.number == RC_SHAPE_none) return;
+      const double mirrored = gloss.parameter[1] + kGrazing * (1 - gloss.parameter[1]);
+      law.z = static_cast<float>(std::clamp(mirrored / (mirrored + largest), kFewest, kMost));
+    });
     out.scattering.push_back(law);
   }
 }

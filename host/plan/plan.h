@@ -169,7 +169,7 @@ struct Bounces {
   /// its radiance per unit of the light together, [skeleton, padded]. 0 where the plan has no light between ground and
   /// air, because none is asked for or it is too faint beside thermal light: then nothing is known of that ground.
   std::vector<float> ground;
-  std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T
+  std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T, z of gloss
 
   bool any() const { return !skeleton.empty(); }
   /// Largest reflectance and transmittance together, 1 at most.

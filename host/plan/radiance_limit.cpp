@@ -1,6 +1,7 @@
 #include "host/plan/radiance_limit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "atmos_tables/interpolate.h"
@@ -55,6 +56,18 @@ std::vector<double> largest_return(const Plan& plan, const atmos::RenderTable& t
   return out;
 }
 
+/// How many times white paint's radiance the sun's mirror image has in the narrowest gloss, all light mirrored, at
+/// normal incidence: pi D / 4, D = 1 / (pi roughness^2). Seen at a slant it may be more.
+double largest_gloss(const scene::CompiledScene& scene) {
+  double most = 0;
+  for (const auto index : scene::used_materials(scene)) {
+    const scene::Shape& gloss = scene.materials[index].gloss;
+    if (gloss.number != RC_SHAPE_none)
+      most = std::max(most, 0.25 / std::pow(std::max(gloss.parameter[0], scene::kLeastRoughness), 2));
+  }
+  return most;
+}
+
 }  // namespace
 
 std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene& scene,
@@ -64,7 +77,9 @@ std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene&
     const auto e0 =
         atmos::resample_linear(atmos::wavelengths(table), atmos::solar_irradiance(table), plan.wavelength_um);
     const std::vector<double> back = largest_return(plan, table);
-    for (std::size_t i = 0; i < limit.size(); ++i) limit[i] += e0[i] / (std::numbers::pi * (1 - back[i]));
+    const double mirrored = largest_gloss(scene);
+    for (std::size_t i = 0; i < limit.size(); ++i)
+      limit[i] += (1 + mirrored) * e0[i] / (std::numbers::pi * (1 - back[i]));
   }
   for (std::size_t i = 0; i < limit.size(); ++i) {
     double brightest = 0;

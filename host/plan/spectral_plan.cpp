@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -83,18 +84,39 @@ void check_view(const scene::Instrument& instrument, const ViewBounds& view, dou
 
 namespace {
 
-bool is_reflectance(const scene::CompiledScene& scene, std::uint32_t curve) {
-  return rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_REFLECTANCE;
-}
-
-/// Whether a seen curve is more than a name for nothing: the transmittance of an opaque material or of a plate.
-bool counts(const scene::CompiledScene& scene, std::uint32_t curve) {
-  return is_reflectance(scene, curve) ||
-         scene::lets_light_through(scene.materials[scene::material_of_curve(scene, curve)]);
+std::uint32_t role_of(const scene::CompiledScene& scene, std::uint32_t curve) {
+  return rc_curve_role(curve, scene::material_count(scene));
 }
 
 std::string what_of(const scene::CompiledScene& scene, std::uint32_t curve) {
-  return is_reflectance(scene, curve) ? "the curve" : "the transmittance";
+  return role_of(scene, curve) == RC_CURVE_REFLECTANCE ? "the curve" : "the transmittance";
+}
+
+/// Of real cameras: what a LIDAR's background is looked at with takes narrow gloss for as wide as that.
+void check_gloss(const scene::CompiledScene& scene, const base::Where& where, base::Problems& problems) {
+  std::set<std::uint32_t> told;  // families, by their first members
+  for (const auto index : scene::used_materials(scene)) {
+    const scene::Material& material = scene.materials[index];
+    if (material.gloss.number != RC_SHAPE_none && material.gloss.parameter[0] < scene::kLeastRoughness &&
+        told.insert(index - material.in_family).second)
+      problems.add(where, "gloss of material '" + material.name + "' is narrower than cameras can see",
+                   fmt::format("roughness {:g}", material.gloss.parameter[0]),
+                   fmt::format("give it {:g} or more, or remove its gloss", scene::kLeastRoughness));
+  }
+  for (const shared::Surface& surface : scene.surfaces) {
+    const scene::Material *first = nullptr, *other = nullptr;
+    scene::for_each_material(surface, [&](std::size_t material, float) {
+      const scene::Material& here = scene.materials[material];
+      if (here.gloss.number == RC_SHAPE_none) return;
+      if (first && !(first->gloss == here.gloss)) other = &here;
+      if (!first) first = &here;
+    });
+    if (!other) continue;
+    problems.add(where, "materials of different gloss mixed in a cell",
+                 "'" + first->name + "' and '" + other->name + "'",
+                 "give them one gloss, or set mixture = \"stochastic\"");
+    return;
+  }
 }
 
 }  // namespace
@@ -107,9 +129,14 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
     const std::string& name = file != curve_file.end() ? file->second : material.source;
     return name.empty() ? std::string("this") : "'" + name + "'";
   };
+  if (instrument.auto_bounces) check_gloss(scene, where, problems);
+  std::set<std::pair<std::uint32_t, std::uint32_t>>
+      told;  // family and role: its members have the wavelengths of one file
   for (const auto curve : scene::seen_curves(scene)) {
-    if (!counts(scene, curve)) continue;
-    const auto& material = scene.materials[scene::material_of_curve(scene, curve)];
+    if (!scene::counts(scene, curve) || role_of(scene, curve) == RC_CURVE_GLOSS) continue;
+    const std::uint32_t index = scene::material_of_curve(scene, curve);
+    const auto& material = scene.materials[index];
+    if (!told.emplace(index - material.in_family, role_of(scene, curve)).second) continue;
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
@@ -133,7 +160,7 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   std::vector<double> breakpoints = table_um;
   for (const auto curve : scene::seen_curves(scene)) {
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
-    if (x.size() < 2 || !counts(scene, curve)) continue;
+    if (x.size() < 2 || !scene::counts(scene, curve)) continue;
     // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
     for (const double node : x)
       if (node > table_um.front() && node < table_um.back()) breakpoints.push_back(node);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
 
 #include <Eigen/Dense>
@@ -60,10 +61,10 @@ double area_scale(const shared::Instance& placed) {
 /// Emission and the light of the surroundings go by 1 - reflectance, whatever the direction: Lambert's law.
 void check_shape(const scene::Material& material, const std::string& file, const std::string& why,
                  base::Problems& problems) {
-  if (material.front.number == RC_SHAPE_lambert) return;
+  if (material.front.number == RC_SHAPE_lambert && material.gloss.number == RC_SHAPE_none) return;
   problems.add({file, 0, 0, "material '" + material.name + "'"},
                "cameras see thermal light of Lambertian surfaces alone, and " + why, "",
-               "remove its table of a scattering shape, or the thermal bands");
+               "remove its table of a scattering shape or gloss, or the thermal bands");
 }
 
 }  // namespace
@@ -71,8 +72,10 @@ void check_shape(const scene::Material& material, const std::string& file, const
 void check_thermal_matter(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
                           base::Problems& problems) {
   if (demanded_by.empty()) return;
+  std::set<std::uint32_t> told;  // families, by their first members
   for (const auto index : scene::used_materials(scene)) {
     const auto& material = scene.materials[index];
+    if (!told.insert(index - material.in_family).second) continue;
     if (!(material.temperature_K > 0))
       problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and " + demanded_by, "",
                    "give it temperature_K, or give [thermal] default_temperature_K");
@@ -85,8 +88,9 @@ Emitters find_emitters(const scene::CompiledScene& scene, const std::string& fil
   base::Problems problems;
   check_thermal_matter(scene, file, demanded_by, problems);
   const auto used = scene::used_materials(scene);
-  if (demanded_by.empty())
-    for (const auto index : used)
+  std::set<std::uint32_t> told;
+  for (const auto index : used)
+    if (demanded_by.empty() && told.insert(index - scene.materials[index].in_family).second)
       check_shape(scene.materials[index], file, "hot materials are seen in these bands", problems);
   problems.throw_if_any();
   double plain = 0;

@@ -27,7 +27,8 @@ bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan) {
   const double facing = plan.sun_up ? std::max(kLowest, static_cast<double>(plan.sun_direction[2])) : 1;
   const double once_missed = std::min(1.0, met.rms * most / (facing * std::max(1 - each, 1e-3)));
   const double share = kMissedShare * plan.tolerance, missed = once_missed * std::pow(each, bounces.levels);
-  const bool drop = once_missed <= share;
+  // A gloss shows of other surfaces what the look does not weigh: beside dark matter it is most of what is seen.
+  const bool drop = once_missed <= share && !plan.matter.glossy;
   // What the wavelengths err by counts where surfaces are met.
   if (drop || (bounces.error * met.mean <= bounces.share && bounces.amplified <= plan::kMostAmplified))
     std::erase_if(plan.notices, [](const auto& told) { return told.starts_with(plan::kBetweenSurfaces); });

@@ -14,7 +14,7 @@ namespace raycube::planner {
 /// transmittance together of any surface and wavelength and s the sine of the sun's elevation, 0.1 at least; light of N
 /// surfaces misses (q on)^N of that. What is met is taken to be of that matter and to face the sun, so both are rather
 /// too large than too small (docs/light.md says by how much); where surfaces are shaped their bright side adds to what
-/// is open.
+/// is open. Nothing is dropped where matter is glossy.
 bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan);
 
 }  // namespace raycube::planner

@@ -16,9 +16,7 @@ std::vector<std::vector<double>> curves_on(const scene::CompiledScene& scene,
   for (std::uint32_t curve = 1; curve <= scene::curve_count(scene); ++curve) {
     const std::vector<double>&x = scene::curve_of(scene, curve).wavelength_um, &y = scene::curve_of(scene, curve).value;
     std::vector<double>& values = out.emplace_back();
-    const bool through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;
-    const bool dark =
-        x.empty() || (through && !scene::lets_light_through(scene.materials[scene::material_of_curve(scene, curve)]));
+    const bool dark = x.empty() || !scene::counts(scene, curve);
     for (double wavelength : wavelength_um) {
       if (dark) {
         values.push_back(0);
@@ -125,7 +123,7 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
                                    std::vector<double>& spectrum) const {
   const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
   const std::vector<double>& nodes = plan_.thermal.temperature_K;
-  const double black = sample.side == 0 ? 1 : 0;  // 1 - reflectance - transmittance, each side its part
+  const double black = sample.side == RC_NEAR_SIDE ? 1 : 0;  // 1 - reflectance - transmittance, each side its part
   const shared::Surface& surface = scene::matter_of(scene_, sample.hit.primitive);
   for (int m = 0; m < 4; ++m) {
     if (surface.material[m] == 0) continue;
@@ -151,7 +149,7 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
 }
 
 std::array<double, 8> ArithmeticModel::irradiance(const Sample& side, const SentRays& sent) const {
-  const double known = known_share(scene_, plan_, side.hit);
+  const double known = known_share(scene_, plan_, side);
   const auto all = static_cast<std::size_t>(plan_.components());
   std::array<double, 8> out = open_(side.normal);
   for (std::size_t m = 0; m < all; ++m) {

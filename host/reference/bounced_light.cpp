@@ -16,6 +16,7 @@ namespace raycube::reference {
 namespace {
 
 constexpr std::uint32_t kFirstDraw = 1000;  ///< of rc_hash; the device's dimensions end far below
+constexpr double kByGloss = 0.4;            ///< share of the paths that leave what is seen by its gloss
 constexpr int kOpenSteps = 256;             ///< of an open sky's integral, each way
 
 /// Unit vector by the cosine about a normal, for u and v uniform in [0, 1).
@@ -104,13 +105,33 @@ void BouncedLight::add_ground(Walk& walk) const {
     walk.add(static_cast<std::size_t>(plan_.sun_sources) + c, open_[c], ground_);
 }
 
+bool BouncedLight::mirror(const Sample& gloss, Walk& walk) const {
+  const double a = scene::gloss_of(scene_.compiled, gloss.hit.primitive)->parameter[0];
+  const double u = walk.draw(), tan = a * std::sqrt(u / (1 - u)), cosine = 1 / std::sqrt(1 + tan * tan);
+  const glm::dvec3 viewer = -glm::normalize(to_double(gloss.ray.direction));
+  const glm::dvec3 facet = by_cosine(gloss.normal, 1 - cosine * cosine, walk.draw());
+  walk.way = 2 * glm::dot(facet, viewer) * facet - viewer;
+  walk.from = gloss;
+  const double facing = glm::dot(walk.way, gloss.normal), turn = glm::dot(facet, viewer);
+  if (!(facing > 0 && turn > 0)) return false;
+  // Facets' density D cos; mirrored ways' is that over 4 turn (Walter et al. 2007, equation 38).
+  const double slope = 1 + tan * tan / (a * a);
+  const double density = cosine / (std::numbers::pi * a * a * std::pow(cosine, 4) * slope * slope) / (4 * turn);
+  const double factor = spread(scene_.compiled, gloss, walk.way) * facing / (std::numbers::pi * density);
+  const Spectrum curve = scattered(gloss);
+  for (std::size_t i = 0; i < curve.size(); ++i) walk.carried[i] *= factor / kByGloss * curve[i];
+  return factor > 0;
+}
+
 bool BouncedLight::turn(const SampledPixel& at, Walk& walk) const {
+  const bool glossy = !at.glosses.empty() && !at.glosses[0].hit.miss();
+  if (glossy && walk.draw() < kByGloss) return mirror(at.glosses[0], walk);
   const bool leaf = side_of(at, true) != nullptr, through = leaf && walk.draw() < 0.5;
   const Sample& side = *side_of(at, through);
   const double u = walk.draw(), v = walk.draw();
   walk.way = by_cosine(side.normal, u, v);
   walk.from = side;
-  const double factor = (leaf ? 2 : 1) * spread(scene_.compiled, side, walk.way);
+  const double factor = (leaf ? 2 : 1) / (glossy ? 1 - kByGloss : 1) * spread(scene_.compiled, side, walk.way);
   const Spectrum curve = scattered(side);
   for (std::size_t i = 0; i < curve.size(); ++i) walk.carried[i] *= factor * curve[i];
   return factor > 0;
@@ -121,7 +142,7 @@ SampledPixel BouncedLight::stand(const Walk& walk, const Hit& hit) const {
   Sample& sample = at.samples.emplace_back();
   sample.ray = {rounded(walk.from.point), rounded(walk.way), {}};
   sample.hit = hit;
-  if (plan_.matter.sides > 1) at.far_sides.resize(1);
+  if (plan_.matter.through) at.far_sides.resize(1);
   scene_.place(at, 0, plan_);
   return at;
 }
@@ -153,6 +174,7 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
   SampledPixel at;
   at.samples = {first};
   if (!pixel.far_sides.empty()) at.far_sides = {pixel.far_sides[chosen]};
+  if (!pixel.glosses.empty()) at.glosses = {pixel.glosses[chosen]};  // surfaces further on have none
   for (int level = 0; turn(at, walk); ++level) {
     if (level == levels_) {
       if (scene_.sees(walk.from, walk.way)) add_sky(walk.way, walk);

@@ -30,6 +30,8 @@ class BouncedLight {
   void add_ground(Walk& walk) const;
   /// Chooses side and direction in which the path goes on; false: it does not.
   bool turn(const SampledPixel& at, Walk& walk) const;
+  /// The same by the gloss of what is seen.
+  bool mirror(const Sample& gloss, Walk& walk) const;
   /// Both sides of the surface that a path's ray met, lit or not by the sun, as of a pixel with one sample.
   SampledPixel stand(const Walk& walk, const Hit& hit) const;
   /// Radiance of the bands at the pixel's sensor, by the nodes of the point that it sees.

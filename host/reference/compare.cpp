@@ -67,7 +67,7 @@ void Comparison::compare_sky(const Sample& sample, const float* device, SentRays
   /// rounded, and an aureole falls off by its own size in a degree.
   constexpr double kSlope = 0.1;
   const std::size_t count = sent.size(), components = static_cast<std::size_t>(plan_.components());
-  const double known = known_share(scene_.compiled, plan_, sample.hit);
+  const double known = known_share(scene_.compiled, plan_, sample);
   std::vector<Components> effect(count);
   Components residual{}, bound{};
   for (std::size_t m = 0; m < components; ++m) residual[m] = static_cast<double>(device[m]);
@@ -78,8 +78,8 @@ void Comparison::compare_sky(const Sample& sample, const float* device, SentRays
     const Components light = sky_light(plan_, ray.direction);
     for (std::size_t m = 0; m < components; ++m) {
       effect[k][m] = ray.weight * light[m] * turned * (ray.open ? -1 : 1);
-      bound[m] +=
-          options_.limits.sky * (ray.weight + ray.solid_angle_sr) * (std::abs(light[m]) + kSlope * brightest_[m]);
+      bound[m] += options_.limits.sky * std::max(1.0, turned) * (ray.weight + ray.solid_angle_sr) *
+                  (std::abs(light[m]) + kSlope * brightest_[m]);
       residual[m] -= ray.weight * light[m] * ((ray.open ? turned : 0) - known);
     }
   }

@@ -68,8 +68,8 @@ SentRays sent_rays(const ReferenceScene& scene, const plan::Plan& plan, std::uin
 /// The plan's components from a direction, sr-1: solar, thermal sky, surroundings (-1). Zero below the horizon.
 std::array<double, 8> sky_light(const plan::Plan& plan, const glm::dvec3& direction);
 
-/// Share of the open sky that the surface of a hit takes for granted.
-double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Hit& hit);
+/// Share of the open sky that a side of a surface takes for granted; by gloss none.
+double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side);
 
 /// Arithmetic form: the plan's nodes, sky components and rays taken as spectra.
 class ArithmeticModel {

@@ -138,11 +138,17 @@ void ReferenceScene::place(Sample& sample, const plan::Plan& plan) const {
 
 void ReferenceScene::place(SampledPixel& pixel, std::size_t sample, const plan::Plan& plan) const {
   place(pixel.samples[sample], plan);
-  if (pixel.far_sides.empty()) return;
   const Sample& near = pixel.samples[sample];
+  if (!pixel.glosses.empty()) {
+    Sample& gloss = pixel.glosses[sample];
+    gloss = near;
+    gloss.side = RC_GLOSS_SIDE;
+    if (!near.hit.miss() && scene::gloss_of(compiled, near.hit.primitive) == nullptr) gloss.hit = {};
+  }
+  if (pixel.far_sides.empty()) return;
   Sample& far = pixel.far_sides[sample];
   far = near;
-  far.side = 1;
+  far.side = RC_FAR_SIDE;
   far.sun_visible = false;
   if (near.hit.miss()) return;
   if (!scene::lets_light_through(compiled, near.hit.primitive)) {
@@ -167,7 +173,8 @@ SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, c
                                               ", sample " + std::to_string(address.sample) +
                                               ": the pixel looks up or along the horizon; point the instrument down");
   const std::vector<double> weights = sample_weights(instrument);
-  if (plan.matter.sides > 1) pixel.far_sides.resize(weights.size());
+  if (plan.matter.through) pixel.far_sides.resize(weights.size());
+  if (plan.matter.glossy) pixel.glosses.resize(weights.size());
   for (std::size_t s = 0; s < weights.size(); ++s) {
     Sample sample;
     sample.ray = pixel_ray(instrument, seed, address, static_cast<int>(s));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "host/plan/plan.h"
@@ -32,7 +33,7 @@ struct Sample {
   Hit hit;
   glm::dvec3 point{0};       ///< m, scene frame
   glm::dvec3 normal{0};      ///< unit, turned to the viewer
-  rc_id side = 0;            ///< of the surface: 0 the one that is seen; 1 the far one, its normal turned away
+  rc_id side = 0;            ///< of the surface (product_key.h): 0 seen; 1 the far one, its normal turned away; 2 gloss
   double cos_sun = 0;        ///< n . s
   bool sun_visible = false;  ///< meaningful where cos_sun > 0
 };
@@ -42,12 +43,18 @@ struct SampledPixel {
   glm::dvec3 sensor{0};      ///< m, scene frame: for the centre ray
   glm::dvec3 to_sensor{0};   ///< unit vector target -> sensor of the pixel's centre ray
   std::vector<Sample> samples;
-  std::vector<Sample> far_sides;  ///< of the samples, in their order, where matter lets light through; else empty
+  /// Of the samples, in their order: where matter lets light through the far sides, where some is glossy the near ones
+  /// as their gloss has it; else empty. A side without either has hit nothing.
+  std::vector<Sample> far_sides, glosses;
 
-  /// Sides of the samples' surfaces: the near ones, then the far ones. Side i is of sample i % samples.size().
-  std::size_t sides() const { return samples.size() + far_sides.size(); }
-  Sample& side(std::size_t i) { return i < samples.size() ? samples[i] : far_sides[i - samples.size()]; }
-  const Sample& side(std::size_t i) const { return i < samples.size() ? samples[i] : far_sides[i - samples.size()]; }
+  /// Sides of the samples' surfaces: the near ones, the far ones, the glosses. Side i is of sample i % samples.size().
+  std::size_t sides() const { return samples.size() + far_sides.size() + glosses.size(); }
+  const Sample& side(std::size_t i) const {
+    if (i < samples.size()) return samples[i];
+    i -= samples.size();
+    return i < far_sides.size() ? far_sides[i] : glosses[i - far_sides.size()];
+  }
+  Sample& side(std::size_t i) { return const_cast<Sample&>(std::as_const(*this).side(i)); }
 };
 
 /// Weight of each sample in the order of rc_sample_uv: the detector's box convolved with the optics' Gaussian

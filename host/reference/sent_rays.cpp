@@ -30,7 +30,7 @@ namespace {
 
 /// Density of a ray's direction, sr-1, in double and by its own formula: shares of the cosine about the normal, of
 /// Henyey and Greenstein's law about the sun (Astrophys. J. 93, 1941, equation 2), of an even upper hemisphere.
-double density_of(const plan::Plan& plan, const glm::dvec3& normal, const glm::dvec3& direction) {
+double law_density(const plan::Plan& plan, const glm::dvec3& normal, const glm::dvec3& direction) {
   const glm::dvec3 sun(plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2]);
   const double g = plan.sky.asymmetry, rest = 1 - plan.sky.cosine_share;
   const double cosine = std::max(0.0, glm::dot(normal, direction)) / std::numbers::pi;
@@ -39,6 +39,33 @@ double density_of(const plan::Plan& plan, const glm::dvec3& normal, const glm::d
       (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * glm::dot(sun, direction), 1.5));
   const double even = direction.z > 0 ? 0.5 / std::numbers::pi : 0;
   return plan.sky.cosine_share * cosine + rest * (plan.sky.sun_share * lobe + (1 - plan.sky.sun_share) * even);
+}
+
+glm::dvec3 viewer_of(const Sample& side) {
+  return -glm::normalize(glm::dvec3(side.ray.direction[0], side.ray.direction[1], side.ray.direction[2]));
+}
+
+/// The same with the share of a gloss: facets by Trowbridge and Reitz (J. Opt. Soc. Am. 65, 531, 1975), mirrored.
+double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side,
+                  const glm::dvec3& direction) {
+  const double law = law_density(plan, side.normal, direction);
+  if (side.side != RC_GLOSS_SIDE) return law;
+  const double a = scene::gloss_of(scene, side.hit.primitive)->parameter[0];
+  const glm::dvec3 facet = glm::normalize(viewer_of(side) + direction);
+  const double cosine = glm::dot(facet, side.normal), turn = glm::dot(facet, direction);
+  const glm::dvec3 across = glm::cross(facet, side.normal);
+  const double slope2 = glm::dot(across, across) / (cosine * cosine);
+  const double facets = std::pow(1 + slope2 / (a * a), -2) / (std::numbers::pi * a * a * std::pow(cosine, 4));
+  return 0.5 * (law + (cosine > 0 && turn > 0 ? facets * cosine / (4 * turn) : 0));
+}
+
+/// The ray: bit for bit the device's, of gloss but for the rounding of the way to the viewer.
+::SkyRay ray_of(const scene::CompiledScene& scene, const SkyDensity& law, rc_u32 seed, rc_u32 pixel, rc_u32 number,
+                const Sample& side) {
+  const glm::vec3 n(side.normal), v(viewer_of(side));
+  if (side.side != RC_GLOSS_SIDE) return rc_sky_ray(law, seed, pixel, number, n.x, n.y, n.z);
+  const auto roughness = static_cast<float>(scene::gloss_of(scene, side.hit.primitive)->parameter[0]);
+  return rc_gloss_ray(law, roughness, seed, pixel, number, n.x, n.y, n.z, v.x, v.y, v.z);
 }
 
 }  // namespace
@@ -54,13 +81,11 @@ SentRays sent_rays(const ReferenceScene& scene, const plan::Plan& plan, std::uin
                        plan.sun_direction[1],
                        plan.sun_direction[2]};
   for (const NumberedRay& numbered : rays) {
-    const ::SkyRay ray =
-        rc_sky_ray(law, plan.sky.hash_seed(seed), pixel, numbered.number, static_cast<float>(side.normal.x),
-                   static_cast<float>(side.normal.y), static_cast<float>(side.normal.z));
+    const ::SkyRay ray = ray_of(scene.compiled, law, plan.sky.hash_seed(seed), pixel, numbered.number, side);
     SentRay& sent = out.emplace_back();
     sent.direction = {ray.x, ray.y, ray.z};
     if (!(ray.facing > 0) || !(ray.z > 0)) continue;
-    const double each = 1 / density_of(plan, side.normal, sent.direction);
+    const double each = 1 / density_of(scene.compiled, plan, side, sent.direction);
     sent.weight = numbered.samples * static_cast<double>(ray.facing) * each;
     sent.solid_angle_sr = numbered.samples * std::min(each, 20.0);
     sent.open = scene.sees(side, sent.direction);
@@ -112,8 +137,9 @@ std::array<double, 8> sky_light(const plan::Plan& plan, const glm::dvec3& direct
   return out;
 }
 
-double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Hit& hit) {
-  return static_cast<double>(plan.sky.known(scene.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK]));
+double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side) {
+  if (side.side == RC_GLOSS_SIDE) return 0;
+  return static_cast<double>(plan.sky.known(scene::surface_of(scene, side.hit.primitive)));
 }
 
 }  // namespace raycube::reference

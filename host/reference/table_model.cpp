@@ -48,8 +48,9 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   for (std::uint32_t curve = 1; curve <= scene::curve_count(scene.compiled); ++curve) {
     std::vector<double>& light = emitted_.emplace_back();
     const double kelvin = scene.compiled.materials[scene::material_of_curve(scene.compiled, curve)].temperature_K;
-    const double black = curve <= scene::material_count(scene.compiled) ? 1 : 0;
-    for (std::size_t i = 0; kelvin > 0 && i < plan.wavelength_um.size(); ++i)
+    const rc_id role = rc_curve_role(curve, scene::material_count(scene.compiled));
+    const double black = role == RC_CURVE_REFLECTANCE ? 1 : 0;
+    for (std::size_t i = 0; kelvin > 0 && role != RC_CURVE_GLOSS && i < plan.wavelength_um.size(); ++i)
       light.push_back((black - curve_[curve - 1][i]) * base::planck_radiance(plan.wavelength_um[i], kelvin));
   }
   if (no_air && !plan.thermal.on) return;  // nothing comes from anywhere but the sun

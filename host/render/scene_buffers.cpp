@@ -95,7 +95,12 @@ namespace {
 /// Shapes of every surface where a camera asks for them.
 std::vector<shared::Lobe> lobes_of(const scene::CompiledScene& scene) {
   const auto matter = scene::camera_matter(scene);
-  return matter.shaped || matter.sides > 1 ? scene::surface_lobes(scene) : std::vector<shared::Lobe>(1);
+  if (!matter.shaped && !matter.through) return std::vector<shared::Lobe>(1);
+  auto lobes = scene::surface_lobes(scene);
+  for (shared::Lobe& lobe : lobes)
+    if (lobe.shape == RC_SHAPE_gloss)
+      lobe.parameter[0] = std::max(lobe.parameter[0], static_cast<float>(scene::kLeastRoughness));
+  return lobes;
 }
 
 scene::Skyline without_cells(const scene::Skyline& skyline) {

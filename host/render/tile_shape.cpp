@@ -72,7 +72,8 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   both("RC_COMPONENTS", shape.components);
   both("RC_THERMAL_COMPONENTS", shape.thermal_components);
   if (shape.matter.shaped) both("RC_SHAPED", 1);
-  if (shape.matter.sides > 1) both("RC_SIDES", shape.matter.sides);
+  if (shape.matter.through) both("RC_THROUGH", 1);
+  if (shape.matter.glossy) both("RC_GLOSSY", 1);
   trace("RC_NU", shape.samples_u);
   trace("RC_NV", shape.samples_v);
   trace("RC_SAMPLER", static_cast<int>(shape.sampler));
@@ -80,7 +81,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   trace("RC_SCATTER", shape.sampler != scene::SamplerKind::grid || shape.support_px != 1);
   trace("RC_STACK", static_cast<int>(stack_bound));
   trace("RC_MOVING", shape.moving);
-  if (shape.matter.sides > 1) both("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  if (shape.matter.sides() > 1) both("RC_MATERIALS", static_cast<int>(shape.matter.materials));
   rows("RC_SUN", shape.sun);
   rows("RC_TEMPERATURES", shape.temperatures);
   rows("RC_HEIGHTS", shape.heights);
@@ -95,7 +96,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
     both("RC_BOUNCES", 1);
     both("RC_SKELETON", shape.skeleton_padded());
     trace("RC_SUN", shape.sun);
-    if (shape.matter.sides == 1) trace("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+    if (shape.matter.sides() == 1) trace("RC_MATERIALS", static_cast<int>(shape.matter.materials));
   }
   return out;
 }

@@ -46,7 +46,7 @@ struct StageShape {
   /// Elements of a pixel in the buffers of a chunk.
   shared::TileElements tile() const {
     return {static_cast<std::size_t>(chunk_samples), static_cast<std::size_t>(sky_planes()), matter.shaped,
-            static_cast<std::size_t>(matter.sides), bounces ? static_cast<std::size_t>(skeleton_padded()) : 0};
+            static_cast<std::size_t>(matter.sides()), bounces ? static_cast<std::size_t>(skeleton_padded()) : 0};
   }
   /// Elements of an item in the buffers of rows.
   shared::RowElements rows(std::size_t capacity) const {

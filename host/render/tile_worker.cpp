@@ -119,8 +119,8 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
   const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
                     end = std::min(first + shape.chunk_samples, samples);
   const auto planes = static_cast<std::size_t>(shape.sky_planes()),
-             sides = static_cast<std::size_t>(shape.matter.sides);
-  probe.sides = shape.matter.sides;
+             sides = static_cast<std::size_t>(shape.matter.sides());
+  probe.sides = shape.matter.sides();
   probe.sun_visible.resize(pixels * sides * samples);
   probe.sky_met.resize(pixels * sides * samples * planes);
   for (std::size_t p = 0; p < pixels; ++p)
@@ -327,7 +327,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
   const plan::Plan& plan = setup_.plan;
   const std::size_t bands = shape.bands, materials = scene::named_count(setup_.scene);
   // Every sample deposits at most four keys for each side of its surface, so a chunk can never overflow this row.
-  RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.matter.sides * shape.chunk_samples));
+  RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.matter.sides() * shape.chunk_samples));
   struct Sum {
     std::vector<double> radiance, abundance, path;
     double truth[RC_TRUTH_SUMS] = {};

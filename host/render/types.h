@@ -85,7 +85,7 @@ struct HitProbe {
 
 /// A few pixels with everything the stages said about them, for `check` and the tests.
 struct PixelProbe : HitProbe {
-  int sides = 1;                          ///< of a sample's surface, the near one first
+  int sides = 1;                          ///< slots of a sample (scene::CameraMatter), the near side first
   std::vector<std::uint8_t> sun_visible;  ///< [pixel][side][sample]
   std::vector<float> sky_met;   ///< [pixel][side][sample][component 0..3 or 0..7], irradiance that its rays add
   std::vector<float> radiance;  ///< [pixel][band]

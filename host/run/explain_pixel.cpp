@@ -88,7 +88,8 @@ PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& s
     PixelPart light{.kind = kind, .number = number, .radiance = light_of(terms)};
     if (curve > 0) {
       light.material = scene.materials[scene::material_of_curve(scene, curve)].name;
-      light.through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;
+      const rc_id role = rc_curve_role(curve, scene::material_count(scene));
+      light.through = role == RC_CURVE_TRANSMITTANCE, light.gloss = role == RC_CURVE_GLOSS;
     }
     out.light.push_back(std::move(light));
   }

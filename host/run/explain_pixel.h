@@ -20,6 +20,7 @@ struct PixelPart {
   int number = 0;  ///< of a sky's component, from 1; between surfaces: of surfaces after the first that it has met
   std::string material{};          ///< what scattered or emitted it last; empty: none, or several
   bool through = false;            ///< it came through that material
+  bool gloss = false;              ///< by its gloss
   bool and_more = false;           ///< of that number of surfaces and of more
   std::vector<double> radiance{};  ///< [band]
 };

@@ -99,8 +99,9 @@ std::map<std::string, std::string> curve_files(const scene::Simulation& simulati
   const auto resolved = nlohmann::json::parse(simulation.resolved_json);
   if (!resolved.contains("material")) return files;
   for (const auto& material : resolved["material"])
-    if (material.contains("name") && material.contains("file"))
-      files[material["name"].get<std::string>()] = material["file"].get<std::string>();
+    for (const char* key : {"file", "family"})
+      if (material.contains("name") && material.contains(key))
+        files[material["name"].get<std::string>()] = material[key].get<std::string>();
   return files;
 }
 

@@ -15,20 +15,50 @@ typedef struct Gathered {
 } RC_LINE Gathered;
 
 #if RC_SHAPED
-/* Way to the viewer and shape of a word of samples; in: its slots of hits. */
-static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, global const uint* in,
-                                   Vector16 direction, global float* out) {
+static inline void rc_store_viewer(Vector16 direction, global float* out) {
   const float16 over = -1.0f / sqrt(rc_dot16(direction, direction));
   rc_store16(over * direction.x, 0, out + RC_PLANE(RC_VIEWER_X));
   rc_store16(over * direction.y, 0, out + RC_PLANE(RC_VIEWER_Y));
   rc_store16(over * direction.z, 0, out + RC_PLANE(RC_VIEWER_Z));
+}
+
+static inline void rc_store_shape(Lobe lobe, uint k, global float* out) {
+  out[RC_PLANE(RC_LOBE_SHAPE) + k] = as_float(lobe.shape);
+  out[RC_PLANE(RC_LOBE_P0) + k] = lobe.parameter[0];
+  out[RC_PLANE(RC_LOBE_P1) + k] = lobe.parameter[1];
+}
+
+/* Way to the viewer and shape of a word of samples; in: its slots of hits. */
+static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, global const uint* in,
+                                   Vector16 direction, global float* out) {
+  rc_store_viewer(direction, out);
   for (uint k = 0; k < 16u; ++k) {
     const uint surface = in[k] == RC_NONE ? 0u : rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]);
-    const Lobe lobe = lobes[surface * RC_LOBES];
-    out[RC_PLANE(RC_LOBE_SHAPE) + k] = as_float(lobe.shape);
-    out[RC_PLANE(RC_LOBE_P0) + k] = lobe.parameter[0];
-    out[RC_PLANE(RC_LOBE_P1) + k] = lobe.parameter[1];
+    rc_store_shape(lobes[surface * RC_LOBES], k, out);
   }
+}
+#endif
+
+#if RC_GLOSSY
+/* A word's slots of what comes by gloss: of the near side, whose surfaces have one. */
+static inline void rc_store_gloss(SceneArrays scene, global const Lobe* lobes, global const uint* in,
+                                  Vector16 direction, const SurfaceSide16* near, global float* out,
+                                  global float* moved) {
+  SurfaceSide16 side;
+  uint glossy = 0;
+  rc_store_viewer(direction, out);
+  for (uint k = 0; k < 16u; ++k) {
+    Lobe gloss = {RC_SHAPE_lambert, 0.0f, {0.0f, 0.0f}};
+    if (in[k] != RC_NONE) {
+      const uint surface = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]);
+      for (uint i = 1; i < RC_LOBE_BEHIND; ++i)
+        if (lobes[surface * RC_LOBES + i].share > 0.0f) gloss = lobes[surface * RC_LOBES + i], glossy |= 1u << k;
+    }
+    rc_store_shape(gloss, k, out);
+  }
+  rc_clear_side(&side);
+  rc_take_side(near, rc_bits16(glossy), &side);
+  rc_store_side(&side, out, moved);
 }
 #endif
 
@@ -71,7 +101,7 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
       const Vector16 origin = {rc_load16(0, g.origin[0]), rc_load16(0, g.origin[1]), rc_load16(0, g.origin[2])};
       const Vector16 direction = {rc_load16(0, g.direction[0]), rc_load16(0, g.direction[1]),
                                   rc_load16(0, g.direction[2])};
-#if RC_SIDES > 1
+#if RC_THROUGH
       const uint through = rc_let_through(scene, lobes, in);
       const Vector16 backwards = {-direction.x, -direction.y, -direction.z};
       SurfaceSide16 far;
@@ -82,7 +112,7 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
         const int16 lanes = rc_load16(0, in) == instance;
         left &= ~rc_mask16(lanes);
         rc_find_side(rc_instance(scene, instance), v, origin, direction, lanes, &near);
-#if RC_SIDES > 1
+#if RC_THROUGH
         if (rc_mask16(lanes) & through)
           rc_find_side(rc_instance(scene, instance), v, origin, backwards, lanes & rc_bits16(through), &far);
 #endif
@@ -92,9 +122,12 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
 #if RC_SHAPED
       rc_store_shapes(scene, lobes, in, direction, out);
 #endif
-#if RC_SIDES > 1
+#if RC_THROUGH
       rc_store_side(&far, out + RC_NEAR_SAMPLES, moved + RC_NEAR_SAMPLES);
       rc_clear_shapes(out + RC_NEAR_SAMPLES);
+#endif
+#if RC_GLOSSY
+      rc_store_gloss(scene, lobes, in, direction, &near, out + RC_SLOT_OF(0u, 2u), moved + RC_SLOT_OF(0u, 2u));
 #endif
     }
 }

@@ -25,7 +25,7 @@ static inline void rc_add_paths(SceneArrays scene, const PathTables* t, Paths16*
 /* Paths whose first rays wait to be asked whether they meet anything: most see sky, whose light is scattered once. */
 typedef struct First16 {
   Rays16 rays;
-  float chance[16]; /* of the side that the path begins on */
+  float weight[16]; /* of the side and direction by which the path begins: by the cosine 1 over the side's chance */
   float scale[16];  /* as of Paths16 */
   uint pixel[16], part[16], path[16];
   uint slot[16], surface[16], side[16]; /* of the sample: in the planes of surface */
@@ -47,14 +47,14 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     rc_put_ray(&paths->rays, k, (float4)(first->rays.x[i], first->rays.y[i], first->rays.z[i], 0.0f), way);
     const bool meets = rc_meets(scene, paths, k);
     if (!meets && way.z > 0.0f) continue;
-    float unit[RC_SKELETON], factor = 1.0f / first->chance[i];
+    float unit[RC_SKELETON], factor = first->weight[i];
     for (uint m = 0; m < RC_SKELETON; ++m) unit[m] = 1.0f;
 #if RC_SHAPED
-    if (first->side[i] == 0u) factor *= rc_spread(in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
+    if (first->side[i] != 1u) factor *= rc_spread(in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
 #endif
     rc_carry_on(scene, t, first->surface[i], first->side[i], factor, unit, paths->carried[k]);
     for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = 0.0f;
-    paths->reach[k] = t->scattering[first->surface[i]].y;
+    paths->reach[k] = first->side[i] == 2u ? 1.0f : t->scattering[first->surface[i]].y;
     paths->pixel[k] = first->pixel[i], paths->part[k] = first->part[i];
     paths->number[k] = first_number + first->pixel[i], paths->path[k] = first->path[i];
     paths->scale[k] = first->scale[i];
@@ -108,12 +108,13 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
         if (sample >= sample_count || ids[sample] == RC_NONE) continue;
         const uint on = rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample]);
         const uint path_number = rc_sky_number(samples, paths, part, path), i = first.count;
-        const float near = scattering[on].x;
-        const uint side = rc_path_draw(&tables, number, path_number, 0u, 0u) < near ? 0u : 1u;
-        const uint slot = sample + side * RC_NEAR_SAMPLES;
+        const float near = scattering[on].x, gloss = RC_GLOSSY ? scattering[on].z : 0.0f;
+        const float draw = rc_path_draw(&tables, number, path_number, 0u, 0u);
+        /* Roundings of a draw do not send a path through what is opaque. */
+        const uint side = draw < gloss ? 2u : near >= 1.0f || draw - gloss < near * (1.0f - gloss) ? 0u : 1u;
+        const uint slot = RC_SLOT_OF(sample, side);
         global const float* at = in + slot;
-        const SkyRay ray = rc_sky_ray(cosine, tables.seed ^ 0x2545f491u, number, path_number, at[RC_PLANE(RC_NORMAL_X)],
-                                      at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)]);
+        const SkyRay ray = rc_slot_ray(cosine, tables.seed ^ 0x2545f491u, number, path_number, side == 2u, at);
         if (!(ray.facing > 0.0f)) continue;
         const float4 point =
             (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
@@ -123,7 +124,9 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
           first.down |= 1u << i;
         else if (rc_above_skyline(scene, &skyline, ids[sample], point, way))
           first.clear |= 1u << i;
-        first.chance[i] = side ? 1.0f - near : near;
+        first.weight[i] = side == 2u   ? 0.318309886f * ray.facing / (ray.density * gloss)
+                          : side == 1u ? 1.0f / ((1.0f - near) * (1.0f - gloss))
+                                       : 1.0f / (near * (1.0f - gloss));
         first.scale[i] = share.scale * chunk_weight[sample] / sample_total;
         first.pixel[i] = p, first.part[i] = part, first.path[i] = path_number;
         first.slot[i] = slot, first.surface[i] = on, first.side[i] = side;

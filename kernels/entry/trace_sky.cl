@@ -86,12 +86,12 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
       for (uint ray = 0; ray < share.rays; ++ray) {
         const uint sample = rc_sky_sample(share, RC_NU, samples, rays, seed, number, part, ray) - first_sample;
         if (sample >= sample_count || ids[sample] == RC_NONE) continue;
-        const float known = open_share[rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample])];
+        const float granted = open_share[rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample])];
         for (uint slot = sample; slot < RC_PADDED_SAMPLES; slot += RC_NEAR_SAMPLES) {
           global const float* at = in + slot;
-          const SkyRay sent =
-              rc_sky_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), at[RC_PLANE(RC_NORMAL_X)],
-                         at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)]);
+          const bool gloss = RC_SIDE_OF(slot) == 2u;
+          const float known = gloss ? 0.0f : granted;
+          const SkyRay sent = rc_slot_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), gloss, at);
           if (!(sent.facing > 0.0f) || !(sent.z > 0.0f)) continue;
           const float4 point =
               (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);

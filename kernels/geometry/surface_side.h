@@ -17,18 +17,23 @@ static inline void rc_clear_side(SurfaceSide16* side) {
   side->lift = 0.0f;
 }
 
+/* Of `lanes` those of another. */
+static inline void rc_take_side(const SurfaceSide16* from, int16 lanes, SurfaceSide16* side) {
+  side->position.x = select(side->position.x, from->position.x, lanes);
+  side->position.y = select(side->position.y, from->position.y, lanes);
+  side->position.z = select(side->position.z, from->position.z, lanes);
+  side->normal.x = select(side->normal.x, from->normal.x, lanes);
+  side->normal.y = select(side->normal.y, from->normal.y, lanes);
+  side->normal.z = select(side->normal.z, from->normal.z, lanes);
+  side->lift = select(side->lift, from->lift, lanes);
+}
+
 /* The side that rays of this direction come to, of one instance's triangles: of `lanes`; the others stay. */
 static inline void rc_find_side(global const Instance* placed, const Vector16* v, Vector16 origin, Vector16 direction,
                                 int16 lanes, SurfaceSide16* side) {
   SurfaceSide16 here;
   rc_surface_points(placed, v, origin, direction, &here.position, &here.normal, &here.lift);
-  side->position.x = select(side->position.x, here.position.x, lanes);
-  side->position.y = select(side->position.y, here.position.y, lanes);
-  side->position.z = select(side->position.z, here.position.z, lanes);
-  side->normal.x = select(side->normal.x, here.normal.x, lanes);
-  side->normal.y = select(side->normal.y, here.normal.y, lanes);
-  side->normal.z = select(side->normal.z, here.normal.z, lanes);
-  side->lift = select(side->lift, here.lift, lanes);
+  rc_take_side(&here, lanes, side);
 }
 
 /* Into a word's slots of the planes of a tile. */

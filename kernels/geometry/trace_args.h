@@ -21,7 +21,7 @@
  *   RC_STACK            CompiledScene::stack_bound()
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
- *   RC_SHAPED, RC_SIDES what the scene's matter asks for: kernels/shared/tile_layout.h
+ *   RC_SHAPED, RC_THROUGH, RC_GLOSSY  what the scene's matter asks for: kernels/shared/tile_layout.h
  *   RC_MATERIALS        how many the scene has
  *   RC_BOUNCES, RC_SKELETON, RC_SUN  whether light comes by paths, wavelengths along them, whether the sun is a source
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid

@@ -8,10 +8,10 @@
 #include "kernels/materials/shapes.h"
 
 static inline bool rc_is_leaf(global const Lobe* lobes, uint surface) {
-  return RC_SIDES > 1 && lobes[surface * RC_LOBES + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
+  return RC_THROUGH && lobes[surface * RC_LOBES + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
 }
 
-#if RC_SIDES > 1
+#if RC_THROUGH
 /* Of a word of samples, bits of those whose surface lets light through; in: its slots of hits. */
 static inline uint rc_let_through(SceneArrays scene, global const Lobe* lobes, global const uint* in) {
   uint through = 0;

@@ -3,6 +3,7 @@
 #ifndef RAYCUBE_KERNELS_LIGHT_SPREAD_H
 #define RAYCUBE_KERNELS_LIGHT_SPREAD_H
 
+#include "kernels/sampling/sky_rays.h"
 #include "kernels/shared/tile_layout.h"
 
 #if RC_SHAPED
@@ -26,5 +27,17 @@ static inline float16 rc_spread16(global const float* at, float4 direction, uint
   return vload16(0, spread);
 }
 #endif
+
+/* Ray `number` of a pixel from what a sample's slot stands for; at: the slot in the planes of surface. */
+static inline SkyRay rc_slot_ray(SkyDensity law, uint seed, uint pixel, uint number, bool gloss,
+                                 global const float* at) {
+  const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
+#if RC_GLOSSY
+  if (gloss)
+    return rc_gloss_ray(law, at[RC_PLANE(RC_LOBE_P0)], seed, pixel, number, nx, ny, nz, at[RC_PLANE(RC_VIEWER_X)],
+                        at[RC_PLANE(RC_VIEWER_Y)], at[RC_PLANE(RC_VIEWER_Z)]);
+#endif
+  return rc_sky_ray(law, seed, pixel, number, nx, ny, nz);
+}
 
 #endif

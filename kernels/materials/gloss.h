@@ -2,7 +2,7 @@
  * EGSR 2007; Schlick's Fresnel term. p0: roughness alpha of the distribution, p1: reflectance at normal incidence. */
 #ifdef RC_SHAPE
 RC_SHAPE(gloss, gloss, 1, "GGX microfacets.")
-RC_SHAPE_TABLE(gloss, "Gloss beside the diffuse reflectance, for pulses alone.",
+RC_SHAPE_TABLE(gloss, "Gloss beside the diffuse reflectance; cameras ask for a roughness of 0.1 or more.",
                "GGX microfacets (Walter et al., 2007) with Schlick's Fresnel term.")
 RC_SHAPE_PARAMETER(gloss, 0, "roughness", "", ">0", "1", "alpha of the GGX distribution.")
 RC_SHAPE_PARAMETER(gloss, 1, "f0", "", "0", "1", "Reflectance of a facet at normal incidence.")

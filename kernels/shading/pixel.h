@@ -21,7 +21,9 @@ typedef struct PixelRow {
   uint count, capacity;
 } PixelRow;
 
-#define RC_FAR_SIDE 0x80000000u /* with a surface's number: its far side */
+/* A surface's number with one of its sides. */
+#define RC_SIDE_SHIFT 30u
+#define RC_SURFACE_MASK ((1u << RC_SIDE_SHIFT) - 1u)
 
 /* What is known of each sample before surfaces are told apart. */
 typedef struct ShadedSamples {

@@ -53,7 +53,7 @@ static inline void rc_deposit_surfaces(SceneArrays scene, const TracedPixel* tra
     if (id == RC_NONE) continue;
     SurfaceSums sums;
     rc_sum_surface(traced, id, s / RC_WORD, sample_total, samples, &sums);
-    const uint number = id & ~RC_FAR_SIDE;
+    const uint number = id & RC_SURFACE_MASK;
     if (!rc_deposit(row, rc_surface(scene, number), RC_SIDE_OF(s), &sums, surface_node + number)) {
       row->count = RC_ROW_OVERFLOW;
       break;

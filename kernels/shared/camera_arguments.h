@@ -19,7 +19,7 @@
 #define RC_MAKE_SURFACE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED or RC_SIDES 2 */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED (of gloss too) or RC_THROUGH */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   WRITE(rc_float, surface) NEXT() \
@@ -85,8 +85,8 @@
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
   SCENE(Surface, surfaces, SURFACES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED or RC_SIDES 2 */ \
-  READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED (of gloss too) or RC_THROUGH */ \
+  READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T, z of gloss */ \
   READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
   READ(rc_float, source_share) NEXT() /* [sun, solar components][RC_SKELETON]: a source's light over that of all */ \
   READ(rc_float, ground_around) NEXT() /* [RC_SKELETON]: pi times its radiance over the light of all */ \

@@ -24,10 +24,15 @@ typedef std::uint32_t rc_id;
 
 #define RC_CURVE_REFLECTANCE 0u
 #define RC_CURVE_TRANSMITTANCE 1u
-#define RC_CURVE_ROLES 2u
+#define RC_CURVE_GLOSS 2u
+#define RC_CURVE_ROLES 3u
 
-/* Role of the curve by which light that falls onto a side goes to the viewer: 0 the side that is seen. */
-static inline rc_id rc_curve_of_side(rc_id side) { return side == 0u ? RC_CURVE_REFLECTANCE : RC_CURVE_TRANSMITTANCE; }
+/* Ways by which light that falls onto a surface goes to the viewer: from the side that he sees, through from the far
+ * one, or from the near one by its gloss. The number of each is its curve's role. */
+#define RC_NEAR_SIDE 0u
+#define RC_FAR_SIDE 1u
+#define RC_GLOSS_SIDE 2u
+static inline rc_id rc_curve_of_side(rc_id side) { return side; }
 
 /* Curve `role` of material `material` (from 0) of `materials`. */
 static inline rc_id rc_curve_id(rc_id role, rc_id material, rc_id materials) {

@@ -3,10 +3,12 @@
  *
  * A stage handles a chunk of every pixel's samples, at most RC_CHUNK_SAMPLES of them. A plane holds one number of each
  * sample of a pixel in RC_PADDED_SAMPLES slots, whole words of 16: sample s lies in slot s - first_sample. Where matter
- * lets light through (RC_SIDES 2), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface
+ * lets light through (RC_THROUGH), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface
  * that the viewer does not see: the same hit and weight, the point beyond the surface, the normal turned round; zero,
- * as where nothing was hit, on surfaces that are opaque, and RC_NONE in the hits, which are the near side's. Pixel i of
- * a tile is (line in the tile) * columns + (column in the tile). By pixel, one after the other:
+ * as where nothing was hit, on surfaces that are opaque, and RC_NONE in the hits, which are the near side's. Where
+ * matter is glossy (RC_GLOSSY), it has one more, the last, for what comes by its gloss: the near side's point and
+ * normal, zero on surfaces without, and the gloss as the shape. Pixel i of a tile is (line in the tile) * columns +
+ * (column in the tile). By pixel, one after the other:
  *   hits      uint    [RC_HIT_PLANES][padded]    planes RC_HIT_*; RC_NONE in both where nothing was hit
  *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was
  *                                               hit; then those of shapes
@@ -93,11 +95,15 @@
 #define RC_SHAPED 0 /* 1: some material does not reflect by Lambert's law */
 #endif
 #define RC_POINT_PLANES RC_POINT_PLANES_OF(RC_SHAPED)
-#ifndef RC_SIDES
-#define RC_SIDES 1 /* sides of a surface from which light goes to the viewer */
+#ifndef RC_THROUGH
+#define RC_THROUGH 0 /* 1: some material lets light through */
 #endif
+#ifndef RC_GLOSSY
+#define RC_GLOSSY 0 /* 1: some material is glossy; then RC_SHAPED is 1 too */
+#endif
+#define RC_SIDES (1 + RC_THROUGH + RC_GLOSSY) /* slots of a sample */
 #ifndef RC_MATERIALS
-#define RC_MATERIALS 0 /* of the scene; asked for where there are two sides */
+#define RC_MATERIALS 0 /* of the scene; asked for where a sample has more than one slot */
 #endif
 #ifndef RC_CHUNKED
 #define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples */
@@ -125,9 +131,11 @@
 #define RC_NEAR_WORDS (RC_NEAR_SAMPLES / RC_WORD)
 #define RC_PADDED_SAMPLES (RC_SIDES * RC_NEAR_SAMPLES)
 #define RC_WORDS (RC_PADDED_SAMPLES / RC_WORD)
-/* Sample of a chunk that a slot belongs to, and which side of its surface the slot is: 0 the near one. */
+/* Sample of a chunk that a slot belongs to, which side of its surface the slot is (product_key.h), and the reverse. */
 #define RC_SAMPLE_OF(slot) (RC_SIDES > 1 ? (slot) % RC_NEAR_SAMPLES : (slot))
-#define RC_SIDE_OF(slot) (RC_SIDES > 1 && (slot) >= RC_NEAR_SAMPLES ? 1u : 0u)
+#define RC_SIDE_OF(slot) \
+  (RC_SIDES == 1 || (slot) < RC_NEAR_SAMPLES ? 0u : RC_THROUGH && (slot) < 2 * RC_NEAR_SAMPLES ? 1u : 2u)
+#define RC_SLOT_OF(sample, side) ((sample) + ((side) == 2u ? 1u + RC_THROUGH : (side)) * RC_NEAR_SAMPLES)
 /* Sources that have a value per sample, sun, sky and surroundings; emission follows them in a row. */
 #define RC_LIT (RC_SUN + RC_COMPONENTS)
 #define RC_SOURCES (RC_LIT + RC_TEMPERATURES)
@@ -138,8 +146,7 @@
 #define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
 #define RC_MET_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
-#define RC_GLOW_AT(pixel, part) \
-  (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_SKELETON) /* a part's first element */
+#define RC_GLOW_AT(pixel, part) (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_SKELETON) /* a part's first element */
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
 /* An item's first element, and a key's sums from there. */
 #define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))

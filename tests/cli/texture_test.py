@@ -17,7 +17,7 @@ COLUMNS, ROWS, MEMBERS = 48, 40, 30
 BANDS_NM = numpy.arange(455, 955, 50.0)  # between nodes, so that a band's mean is the middle's value
 NODES_NM = numpy.arange(400, 1001, 10.0)
 GREY = 0.5
-IN_BAND = 2e-4  # the sun's lines move the middle of a band of 1 nm by hundredths; members differ by a hundred times that
+IN_BAND = 2e-4  # the sun's lines move the middle of a band of 1 nm by hundredths; members differ by much more
 
 
 def family():
@@ -74,7 +74,8 @@ def write(folder, name, things, more="", head="bounces = 0", samples=1, bands=le
         "time = { sun = { zenith_deg = 40.0, azimuth_deg = 150.0, day_of_year = 172 } }\n"
         + MATERIAL.replace("MORE", more)
         + things
-        + f'[[instrument]]\nname = "camera"\nkind = "framing"\naltitude_agl_m = 500.0\ngsd_m = 1.0\npixels = {COLUMNS}\n'
+        + '[[instrument]]\nname = "camera"\nkind = "framing"\naltitude_agl_m = 500.0\ngsd_m = 1.0\n'
+        + f"pixels = {COLUMNS}\n"
         f"lines = {ROWS}\nsamples = {{ grid = [{samples}, {samples}] }}\n"
         f"bands = {{ first_nm = 455.0, step_nm = 50.0, count = {bands}, fwhm_nm = 1.0 }}\n"
     )
@@ -172,8 +173,8 @@ def check_light_between(folder):
     numpy.savetxt(folder / "turf.csv", table, "%.6f", ",", header="wavelength_nm," + names, comments="")
     image(folder / "grain.img", rng.normal(0, 1, (16, 16)))
     wall = '[[box]]\nmaterial = "turf"\nposition_m = [0.0, 4.0, 0.0]\nsize_m = [30.0, 1.0, 6.0]\n'
-    file = write(folder, "walls.toml", PLATE + wall, head="tolerance = 0.05\nbounces = 4\nsky_directions = 64", samples=5,
-                 air='{ model = "clear_sky" }')
+    head = "tolerance = 0.05\nbounces = 4\nsky_directions = 64"
+    file = write(folder, "walls.toml", PLATE + wall, head=head, samples=5, air='{ model = "clear_sky" }')
     run("render", file, "-o", folder / "walls")
     told = json.loads(run("explain", file, "--pixel", "24,18", "--json").stdout)
     kinds = [(x["kind"], x.get("material"), x.get("through"), x.get("number")) for x in told["light"]]
@@ -191,13 +192,21 @@ def check_refusals(folder):
         (folder / "bad.toml").write_text(good.replace(old, new))
         refused("scene", "check", folder / "bad.toml", status=2, says=parts)
 
-    says("a family and a texture go together", "only family", old='texture = { image = "grain.img", texel_m = 1.0  }', new="")
-    says("exactly one of file, family, reflectance and leaf", old='family = "turf.csv"', new='family = "turf.csv"\nreflectance = 0.3')
+    texture, family = 'texture = { image = "grain.img", texel_m = 1.0  }', 'family = "turf.csv"'
+    says("a family and a texture go together", "only family", old=texture, new="")
+    says("exactly one of file, family, reflectance and leaf", old=family, new=family + "\nreflectance = 0.3")
     says("band reaches beyond", "400 .. 2000 nm", old="texel_m = 1.0", new="texel_m = 1.0, band_nm = [400, 2000]")
     says("shorter to a longer", old="texel_m = 1.0", new="texel_m = 1.0, band_nm = [700, 400]")
     says("grain.png", old="grain.img", new="grain.png")
     says("more than 1e7 squares", old="texel_m = 1.0", new="texel_m = 0.01")
-    says("'transmittance' goes with", "opaque", old='family = "turf.csv"', new='family = "turf.csv"\ntransmittance = 0.1')
+    says("'transmittance' goes with", "opaque", old=family, new=family + "\ntransmittance = 0.1")
+    (folder / "through.csv").write_text("wavelength_nm,a,transmittance\n400,0.1,0.1\n1000,0.2,0.1\n")
+    says("column 'transmittance'", old="turf.csv", new="through.csv")
+    (folder / "water.csv").write_text("# medium: water\nwavelength_nm,a,b\n400,0.1,0.1\n1000,0.2,0.1\n")
+    says("unknown medium", old="turf.csv", new="water.csv")
+    terrain = '[[terrain]]\nraster = "height.img"\ncell_m = 4.0\nmaterial = "turf"\nrefine = 64\n'
+    image(folder / "height.img", numpy.zeros((300, 300)))
+    says("more than 1e8 cells", "refine = 33 fits", old=PLATE, new=terrain)
     (folder / "one.csv").write_text("wavelength_nm,a\n400,0.1\n1000,0.2\n")
     says("2 to 4096 spectra", "1 in", old="turf.csv", new="one.csv")
     (folder / "bright.csv").write_text("wavelength_nm,a,b\n400,0.1,0.2\n1000,0.2,1.2\n")

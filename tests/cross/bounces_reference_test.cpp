@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "host/run/check_bounced.h"
 #include "host/sensors/view_bounds.h"
@@ -29,14 +30,17 @@ scene::Curve curve(const std::function<double(double)>& value) {
 
 double step(double l, double at, double width) { return 1 / (1 + std::exp((at - l) / width)); }
 
-/// Eight crowns of leaves, turned, tilted and stretched, on rough ground with a bright box among them.
-scene::Simulation wood() {
+/// Eight crowns of leaves, turned, tilted and stretched, on rough or wet ground with a bright box among them.
+scene::Simulation wood(bool wet) {
   scene::Simulation simulation;
   scene::CompiledScene& scene = simulation.scene;
   const auto ground = test::add_material(scene, "ground", 0.3), leaf = test::add_material(scene, "leaf", 0.4),
              wall = test::add_material(scene, "wall", 0.6);
   scene.materials[0].reflectance = curve([](double l) { return 0.1 + 0.15 * std::min(l, 1.5); });
-  scene.materials[0].front = {RC_SHAPE_oren_nayar, {30, 0}};
+  if (wet)
+    scene.materials[0].gloss = {RC_SHAPE_gloss, {0.2, 0.4}};
+  else
+    scene.materials[0].front = {RC_SHAPE_oren_nayar, {30, 0}};
   scene.materials[1].reflectance = curve([](double l) { return 0.05 + 0.42 * step(l, 0.71, 0.015); });
   scene.materials[1].transmittance = curve([](double l) { return 0.03 + 0.40 * step(l, 0.71, 0.02); });
   scene.materials[2].reflectance = curve([](double l) { return 0.5 + 0.2 * std::sin(6 * l); });
@@ -69,9 +73,11 @@ scene::Simulation wood() {
 TEST_CASE("S16 LIGHT 2: light between surfaces in a wood is that of another code's paths, band by band") {
   // As `raycube check` looks at it. Standard errors are of both sides' own scatter.
   const atmos::RenderTable air = test::clear_sky(40);
-  for (const int levels : {1, 4}) {
-    scene::Simulation simulation = wood();
+  for (const auto& [levels, wet] : {std::pair(1, false), {4, false}, {2, true}}) {
+    scene::Simulation simulation = wood(wet);
     simulation.bounces = levels;
+    if (wet) simulation.sky_directions = 1024;
+    CAPTURE(wet);
     const scene::Instrument& camera = simulation.instruments[0];
     const plan::Plan plan = plan::make_plan(simulation, camera, air, sensors::view_bounds(camera));
     render::Renderer renderer(simulation.scene, {});
@@ -84,7 +90,7 @@ TEST_CASE("S16 LIGHT 2: light between surfaces in a wood is that of another code
     for (const auto& band : report.bands) {
       CAPTURE(band.device / band.reference);
       CHECK(report.apart(band) < 4);
-      CHECK(band.error < 0.02 * band.reference);
+      CHECK(band.error < (wet ? 0.03 : 0.02) * band.reference);  // mirrored paths of the reference scatter more
     }
   }
 }

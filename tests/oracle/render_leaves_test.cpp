@@ -162,10 +162,10 @@ TEST_CASE("S16 S23 leaves: among matter, air and sky of one temperature a leaf s
 TEST_CASE("S23 leaves: a plate's straight way is of pulses alone, and opaque scenes keep one side") {
   TiltedLeaf scene(50);
   test::place(scene.simulation.scene, scene.square(100, 0, scene.leaf));
-  CHECK(scene::camera_matter(scene.simulation.scene).sides == 2);
+  CHECK(scene::camera_matter(scene.simulation.scene).sides() == 2);
   scene.simulation.scene.materials[0].behind.number = RC_SHAPE_plate;
-  CHECK(scene::camera_matter(scene.simulation.scene).sides == 1);
+  CHECK(scene::camera_matter(scene.simulation.scene).sides() == 1);
   scene.simulation.scene.materials[0].behind.number = RC_SHAPE_leaf;
   scene.simulation.scene.materials[0].transmittance = {};
-  CHECK(scene::camera_matter(scene.simulation.scene).sides == 1);
+  CHECK(scene::camera_matter(scene.simulation.scene).sides() == 1);
 }

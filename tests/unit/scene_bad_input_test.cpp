@@ -184,6 +184,14 @@ TEST_CASE("bad input: a flood of bad points is cut with a count") {
   CHECK_SAYS(message, "480 more");
 }
 
+TEST_CASE("bad input: a plane and a box of a material that is not there, in a file without any") {
+  const Folder folder;
+  CHECK_SAYS(refusal(folder, "format = 1\n[[plane]]\nmaterial = \"lawn\"\nsize_m = [1, 1]\n"),
+             "unknown material (found 'lawn'); define it with [[material]]");
+  CHECK_SAYS(refusal(folder, "format = 1\n[[box]]\nmaterial = \"lawn\"\nsize_m = [1, 1, 1]\n"),
+             "unknown material (found 'lawn'); define it with [[material]]");
+}
+
 TEST_CASE("bad input: material with neither or both sources, defined twice") {
   const Folder folder;
   CHECK_SAYS(refusal(folder, "format = 1\n[[material]]\nname = \"m\"\n"),

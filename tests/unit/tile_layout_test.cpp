@@ -46,7 +46,7 @@ render::StageShape shape_of(int chunk_samples, int chunks, int components, int t
 }
 
 render::StageShape two_sided(render::StageShape shape) {
-  shape.matter.sides = 2;
+  shape.matter.through = true;
   shape.matter.shaped = true;
   return shape;
 }
