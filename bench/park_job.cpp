@@ -10,7 +10,7 @@ namespace raycube::bench {
 scene::Simulation load_park(const Settings& settings) {
   if (!std::filesystem::exists(settings.park_file))
     throw base::Error(base::Fault::environment, "bench: no park at " + settings.park_file +
-                                                    "; make it with scenes/park/generate.py " +
+                                                    "; make it with bench/opaque_park.py " +
                                                     std::filesystem::path(settings.park_file).parent_path().string());
   scene::Simulation park = scene::load_simulation(settings.park_file);
   park.bounces = 0, park.bounces_given = true;  // figures of light scattered once, as those that they are held against

@@ -87,8 +87,12 @@ with tempfile.TemporaryDirectory() as folder:
     park = work / "park" / "park.toml"
     # The quick air: 1670 wavelengths of the layered one would take longer than all else here; ci/demo checks the park
     # with it.
-    park.write_text(re.sub(r'model = "layered"\nprofile = .*', 'model = "clear_sky"', park.read_text()))
-    assert 'model = "clear_sky"' in park.read_text()
+    text = re.sub(r'model = "layered"\nprofile = .*', 'model = "clear_sky"', park.read_text())
+    text = re.sub(r"tolerance = 0\.03.*", "tolerance = 0.01\nsky_directions = 484", text)
+    for bands, side in (("spectir_360.csv", 11), ("wasp_rgb.csv", 4)):
+        text = text.replace(f'bands = "{bands}"', f'samples = {{ grid = [{side}, {side}] }}\nbands = "{bands}"')
+    park.write_text(text)
+    assert 'model = "clear_sky"' in text and "sky_directions" in text and text.count("samples = {") == 2
 
     # Both instruments of the park: 320 x 320 pixels of 121 rays in 360 bands, 1000 x 1000 of 16 in 3. Groups of 4
     # pixels.
