@@ -1,5 +1,5 @@
-"""S21 gloss as users meet it: a wet court before a lit wall. Oracles: `raycube check`, whose reference mirrors by code and
-draws of its own (sky ray by ray, light between surfaces by paths); a pixel's budget; without gloss the same bits as
+"""S21 gloss as users meet it: a wet court before a lit wall. Oracles: `raycube check`, whose reference mirrors by code
+and draws of its own (sky ray by ray, light between surfaces by paths); a pixel's budget; without gloss the same bits as
 without the key."""
 
 import json
@@ -78,8 +78,8 @@ def main():
         line, sample = numpy.argwhere(court == 1)[court[court == 1].size // 2]
         told = json.loads(run("explain", wet, "--pixel", f"{sample},{line}", "--json").stdout)
         check(numpy.array_equal(numpy.array(told["rendered"], "f4"), shown[line, sample]))
-        mirrored = {x["kind"] for x in told["light"] if x.get("gloss")}
-        check("sky" in mirrored and all(x["material"] == "wet court" for x in told["light"] if x.get("gloss")), mirrored)
+        mirrored = [x for x in told["light"] if x.get("gloss")]
+        check("sky" in {x["kind"] for x in mirrored} and {x["material"] for x in mirrored} == {"wet court"}, mirrored)
         said = run("explain", wet, "--pixel", f"{sample},{line}").stdout
         check("by the gloss of wet court" in said, said)
         # Gloss adds; on open ground far from court and wall nothing else moves but noise of light between surfaces.
@@ -87,7 +87,8 @@ def main():
         narrow = write(folder, "narrow.toml", "gloss = { roughness = 0.05, f0 = 0.3 }")
         refused("render", narrow, "-o", folder / "no", status=2, says=["'wet court'", "roughness 0.05", "0.1 or more"])
         thermal = SCENE.replace("first_nm = 450.0, step_nm = 200.0", "first_nm = 9000.0, step_nm = 500.0")
-        thermal = thermal.replace('model = "clear_sky"', 'model = "none"') + "[thermal]\ndefault_temperature_K = 300.0\n"
+        thermal = thermal.replace('model = "clear_sky"', 'model = "none"')
+        thermal += "[thermal]\ndefault_temperature_K = 300.0\n"
         hot = write(folder, "hot.toml", GLOSS, thermal.replace("bounces = 4", "bounces = 0"))
         refused("render", hot, "-o", folder / "no", status=2, says=["Lambertian surfaces alone", "gloss"])
         check(not (folder / "no").exists())

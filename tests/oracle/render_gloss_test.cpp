@@ -1,5 +1,5 @@
-// Gloss seen by cameras (S21): GGX beside the diffuse reflectance, of the sun and of the sky. Oracles: the lobe's closed
-// form at each pixel's own directions, its quadrature over an even sky, and what a wall leaves of that.
+// Gloss seen by cameras (S21): GGX beside the diffuse reflectance, of the sun and of the sky. Oracles: the lobe's
+// closed form at each pixel's own directions, its quadrature over an even sky, and what a wall leaves of that.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -55,8 +55,10 @@ foreach(packed IN ITEMS
       -DRC_BUNDLE=0"
     "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10
       -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
-    "trace.cl -DRC_SHAPED=1" "trace.cl -DRC_BUNDLE=0 -DRC_SHAPED=1" "rows.cl 0 -DRC_SHAPED=1" "trace.cl -DRC_SIDES=2"
-    "rows.cl 0 -DRC_SIDES=2 -DRC_MATERIALS=7" "rows.cl 1 -DRC_SIDES=2 -DRC_MATERIALS=7 -DRC_SHAPED=1"
+    "trace.cl -DRC_SHAPED=1" "trace.cl -DRC_BUNDLE=0 -DRC_SHAPED=1" "rows.cl 0 -DRC_SHAPED=1" "trace.cl -DRC_THROUGH=1"
+    "rows.cl 0 -DRC_THROUGH=1 -DRC_MATERIALS=7" "rows.cl 1 -DRC_THROUGH=1 -DRC_MATERIALS=7 -DRC_SHAPED=1"
+    "trace.cl -DRC_GLOSSY=1 -DRC_SHAPED=1" "trace.cl -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
+    "rows.cl 0 -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_MATERIALS=7"
     "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1" "lidar_beam.cl
       -DRC_RECEIVER=1"
     "lidar_beam.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_OVERLAP=0" "lidar_air.cl -" "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2
