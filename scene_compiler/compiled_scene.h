@@ -126,4 +126,9 @@ struct CompiledScene {
   }
 };
 
+/// The surface of a family's first member where this is that of another; of mixtures and all else itself.
+inline std::uint32_t family_surface(const CompiledScene& scene, std::uint32_t surface) {
+  return surface < scene.materials.size() ? surface - scene.materials[surface].in_family : surface;
+}
+
 }  // namespace raycube::scene

@@ -44,6 +44,15 @@ std::vector<std::uint32_t> used_materials(const CompiledScene& scene) {
   return out;
 }
 
+std::vector<std::uint32_t> used_families(const CompiledScene& scene) {
+  std::vector<std::uint32_t> out;
+  std::uint32_t last = RC_NONE;  // a family's members follow one another
+  for (const auto index : used_materials(scene))
+    if (const std::uint32_t family = index - scene.materials[index].in_family; family != last)
+      out.push_back(index), last = family;
+  return out;
+}
+
 namespace {
 
 shared::Lobe lobe_of(const Shape& shape, float share) {
@@ -99,7 +108,7 @@ const Curve& white_curve() {
   return white;
 }
 
-bool counts(const CompiledScene& scene, std::uint32_t curve) {
+bool carries_light(const CompiledScene& scene, std::uint32_t curve) {
   const Material& owner = scene.materials[material_of_curve(scene, curve)];
   switch (rc_curve_role(curve, material_count(scene))) {
     case RC_CURVE_TRANSMITTANCE:

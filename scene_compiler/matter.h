@@ -30,14 +30,11 @@ std::vector<std::uint32_t> named_materials(const CompiledScene& scene);
 /// How many those are.
 std::size_t named_count(const CompiledScene& scene);
 
-/// The surface of a family's first member where this is that of another; of mixtures and all else itself.
-inline std::uint32_t family_surface(const CompiledScene& scene, std::uint32_t surface) {
-  return surface < scene.materials.size() ? surface - scene.materials[surface].in_family : surface;
-}
-
 /// Materials (indices, ascending) that some placed triangle carries; all of them in a scene without triangles. Only
 /// their curves must cover what an instrument sees.
 std::vector<std::uint32_t> used_materials(const CompiledScene& scene);
+/// The same, of each family the first used member alone: what its members share is asked of one.
+std::vector<std::uint32_t> used_families(const CompiledScene& scene);
 
 /// Calls f(material's index, its share of the area) for each material of a surface.
 template <class F>
@@ -114,6 +111,6 @@ inline const Curve& curve_of(const CompiledScene& scene, std::uint32_t curve) {
 }
 
 /// Whether light goes to a camera by a curve: by the transmittance of a leaf, and a glossy material's gloss.
-bool counts(const CompiledScene& scene, std::uint32_t curve);
+bool carries_light(const CompiledScene& scene, std::uint32_t curve);
 
 }  // namespace raycube::scene

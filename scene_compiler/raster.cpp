@@ -107,6 +107,7 @@ bool has_bands(const Opened& opened, int first_band, int count) {
 /// GDAL's word (empty: it could be read), its nodata value and its samples.
 void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
   const QuietGdal quiet;
+  CPLSetConfigOption("RAW_CHECK_FILE_SIZE", "YES");  // else what a truncated raw file lacks is read as zeros
   const Dataset dataset(GDALOpen(file.c_str(), GA_ReadOnly));
   parcel.text(dataset ? "" : gdal_message());
   if (!dataset) return;

@@ -92,8 +92,7 @@ std::vector<std::pair<std::string, double>> mean_ground(const EnvironmentMap& ma
   std::vector<std::pair<std::string, double>> out;
   for (std::size_t c = 0; c < map.mean.size(); ++c)
     if (map.mean[c] > 0) {
-      if (out.empty() || scene.materials[c].in_family == 0 || out.back().first != scene.materials[c].name)
-        out.emplace_back(scene.materials[c].name, 0.0);
+      if (out.empty() || out.back().first != scene.materials[c].name) out.emplace_back(scene.materials[c].name, 0.0);
       out.back().second += map.mean[c];  // a family's members follow one another
     }
   return out;

@@ -94,11 +94,9 @@ std::string what_of(const scene::CompiledScene& scene, std::uint32_t curve) {
 
 /// Of real cameras: what a LIDAR's background is looked at with takes narrow gloss for as wide as that.
 void check_gloss(const scene::CompiledScene& scene, const base::Where& where, base::Problems& problems) {
-  std::set<std::uint32_t> told;  // families, by their first members
-  for (const auto index : scene::used_materials(scene)) {
+  for (const auto index : scene::used_families(scene)) {
     const scene::Material& material = scene.materials[index];
-    if (material.gloss.number != RC_SHAPE_none && material.gloss.parameter[0] < scene::kLeastRoughness &&
-        told.insert(index - material.in_family).second)
+    if (material.gloss.number != RC_SHAPE_none && material.gloss.parameter[0] < scene::kLeastRoughness)
       problems.add(where, "gloss of material '" + material.name + "' is narrower than cameras can see",
                    fmt::format("roughness {:g}", material.gloss.parameter[0]),
                    fmt::format("give it {:g} or more, or remove its gloss", scene::kLeastRoughness));
@@ -133,7 +131,7 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
   std::set<std::pair<std::uint32_t, std::uint32_t>>
       told;  // family and role: its members have the wavelengths of one file
   for (const auto curve : scene::seen_curves(scene)) {
-    if (!scene::counts(scene, curve) || role_of(scene, curve) == RC_CURVE_GLOSS) continue;
+    if (!scene::carries_light(scene, curve) || role_of(scene, curve) == RC_CURVE_GLOSS) continue;
     const std::uint32_t index = scene::material_of_curve(scene, curve);
     const auto& material = scene.materials[index];
     if (!told.emplace(index - material.in_family, role_of(scene, curve)).second) continue;
@@ -160,7 +158,7 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   std::vector<double> breakpoints = table_um;
   for (const auto curve : scene::seen_curves(scene)) {
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
-    if (x.size() < 2 || !scene::counts(scene, curve)) continue;
+    if (x.size() < 2 || !scene::carries_light(scene, curve)) continue;
     // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
     for (const double node : x)
       if (node > table_um.front() && node < table_um.back()) breakpoints.push_back(node);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <span>
 
 #include <Eigen/Dense>
@@ -72,10 +71,8 @@ void check_shape(const scene::Material& material, const std::string& file, const
 void check_thermal_matter(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
                           base::Problems& problems) {
   if (demanded_by.empty()) return;
-  std::set<std::uint32_t> told;  // families, by their first members
-  for (const auto index : scene::used_materials(scene)) {
+  for (const auto index : scene::used_families(scene)) {
     const auto& material = scene.materials[index];
-    if (!told.insert(index - material.in_family).second) continue;
     if (!(material.temperature_K > 0))
       problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and " + demanded_by, "",
                    "give it temperature_K, or give [thermal] default_temperature_K");
@@ -88,9 +85,8 @@ Emitters find_emitters(const scene::CompiledScene& scene, const std::string& fil
   base::Problems problems;
   check_thermal_matter(scene, file, demanded_by, problems);
   const auto used = scene::used_materials(scene);
-  std::set<std::uint32_t> told;
-  for (const auto index : used)
-    if (demanded_by.empty() && told.insert(index - scene.materials[index].in_family).second)
+  if (demanded_by.empty())
+    for (const auto index : scene::used_families(scene))
       check_shape(scene.materials[index], file, "hot materials are seen in these bands", problems);
   problems.throw_if_any();
   double plain = 0;

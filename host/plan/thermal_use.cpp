@@ -69,9 +69,9 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
                  const SpectralPlan& spectral) {
   std::vector<std::string> cold;
   double hottest_K = 0, coolest_K = 1e9;
-  for (const auto index : scene::used_materials(scene)) {
+  for (const auto index : scene::used_families(scene)) {
     const auto& material = scene.materials[index];
-    if (!(material.temperature_K > 0) && (cold.empty() || cold.back() != material.name)) cold.push_back(material.name);
+    if (!(material.temperature_K > 0)) cold.push_back(material.name);
     hottest_K = std::max(hottest_K, material.temperature_K), coolest_K = std::min(coolest_K, material.temperature_K);
   }
   const bool far = base::asks_for_heat(spectral.wavelength_um.back());

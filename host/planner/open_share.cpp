@@ -66,11 +66,6 @@ plan::SkyRays::Met met_of(const std::vector<PixelSeen>& pixels, const std::vecto
           told(sum > 0 ? squares / sum : 0, kMetSteps)};
 }
 
-/// The surface whose share a family's members have, since they lie side by side: the first one's.
-std::uint32_t family_of(const scene::CompiledScene& scene, std::uint32_t surface) {
-  return surface < scene.materials.size() ? surface - scene.materials[surface].in_family : surface;
-}
-
 }  // namespace
 
 scene::Instrument first_launched(const scene::Simulation& simulation, const scene::Instrument& instrument,
@@ -122,7 +117,8 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
           PixelSeen& pixel = pixels[before + p];
           pixel.hidden += std::abs(met) - met, pixel.all += 2 * std::abs(met);
           pixel.below += 0.5 * (far_side ? 1 + up : 1 - up), pixel.rays += 1;
-          Seen& at = seen[family_of(scene, scene.blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK])];
+          Seen& at =
+              seen[scene::family_surface(scene, scene.blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK])];
           at.open += std::abs(met) + met, at.all += 2 * std::abs(met), at.rays += 1;
         }
       });
@@ -132,7 +128,7 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   if (!(whole.all > 0)) return;
   const double mean = whole.open / whole.all, each = whole.all / whole.rays;
   for (std::uint32_t surface = 0; surface < seen.size(); ++surface) {
-    const Seen& at = seen[family_of(scene, surface)];
+    const Seen& at = seen[scene::family_surface(scene, surface)];  // whose members lie side by side
     const double share = (at.open + kPrior * each * mean) / (at.all + kPrior * each);
     plan.sky.open_share.push_back(static_cast<float>(told(std::min(share, 1.0), kSteps)));
   }

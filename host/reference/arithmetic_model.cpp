@@ -16,7 +16,7 @@ std::vector<std::vector<double>> curves_on(const scene::CompiledScene& scene,
   for (std::uint32_t curve = 1; curve <= scene::curve_count(scene); ++curve) {
     const std::vector<double>&x = scene::curve_of(scene, curve).wavelength_um, &y = scene::curve_of(scene, curve).value;
     std::vector<double>& values = out.emplace_back();
-    const bool dark = x.empty() || !scene::counts(scene, curve);
+    const bool dark = x.empty() || !scene::carries_light(scene, curve);
     for (double wavelength : wavelength_um) {
       if (dark) {
         values.push_back(0);

@@ -65,7 +65,7 @@ double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, con
   const glm::vec3 n(side.normal), v(viewer_of(side));
   if (side.side != RC_GLOSS_SIDE) return rc_sky_ray(law, seed, pixel, number, n.x, n.y, n.z);
   const auto roughness = static_cast<float>(scene::gloss_of(scene, side.hit.primitive)->parameter[0]);
-  return rc_gloss_ray(law, roughness, seed, pixel, number, n.x, n.y, n.z, v.x, v.y, v.z);
+  return rc_gloss_way(law, roughness, seed, pixel, number, n.x, n.y, n.z, v.x, v.y, v.z);
 }
 
 }  // namespace

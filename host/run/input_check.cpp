@@ -151,14 +151,8 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
   std::unique_ptr<atmos::RenderTable> air;
   bool sound = found.part([&] { air = lidar_air(simulation, lidar); });
   const auto wavelengths = lidar::table_wavelengths(lidar::make_nodes(lidar));
-  std::uint32_t last_family = RC_NONE;
-  for (const auto index : scene::used_materials(simulation.scene)) {
+  for (const auto index : scene::used_families(simulation.scene)) {
     scene::Material material = simulation.scene.materials[index];
-    // A family's members have the wavelengths of one file.
-    if (const auto family = index - material.in_family; family == last_family)
-      continue;
-    else
-      last_family = family;
     if (const auto file = files.find(material.name); file != files.end()) material.source = file->second;
     const auto covers = [&](const scene::Curve& curve) {
       sound &= found.part([&] {

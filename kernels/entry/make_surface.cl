@@ -127,7 +127,8 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
       rc_clear_shapes(out + RC_NEAR_SAMPLES);
 #endif
 #if RC_GLOSSY
-      rc_store_gloss(scene, lobes, in, direction, &near, out + RC_SLOT_OF(0u, 2u), moved + RC_SLOT_OF(0u, 2u));
+      rc_store_gloss(scene, lobes, in, direction, &near, out + RC_SLOT_OF(0u, RC_GLOSS_SIDE),
+                     moved + RC_SLOT_OF(0u, RC_GLOSS_SIDE));
 #endif
     }
 }

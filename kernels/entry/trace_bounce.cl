@@ -1,5 +1,5 @@
-/* Reads: hits, surface points of make_surface, the scene and its
- * ground's skyline, its curves at the skeleton wavelengths, the sky's maps.
+/* Reads: hits, surface points of make_surface, the scene and its ground's skyline, its curves at the skeleton
+ * wavelengths, the sky's maps.
  * Writes: by pixel and part of its samples, what light of the sun and its sky that was scattered at least twice adds,
  * at each skeleton wavelength: radiance per unit of both together (plan::Bounces::together), times pi. Next: resolve.
  */
@@ -50,11 +50,11 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     float unit[RC_SKELETON], factor = first->weight[i];
     for (uint m = 0; m < RC_SKELETON; ++m) unit[m] = 1.0f;
 #if RC_SHAPED
-    if (first->side[i] != 1u) factor *= rc_spread(in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
+    if (first->side[i] != RC_FAR_SIDE) factor *= rc_spread(in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
 #endif
     rc_carry_on(scene, t, first->surface[i], first->side[i], factor, unit, paths->carried[k]);
     for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = 0.0f;
-    paths->reach[k] = first->side[i] == 2u ? 1.0f : t->scattering[first->surface[i]].y;
+    paths->reach[k] = first->side[i] == RC_GLOSS_SIDE ? 1.0f : t->scattering[first->surface[i]].y;
     paths->pixel[k] = first->pixel[i], paths->part[k] = first->part[i];
     paths->number[k] = first_number + first->pixel[i], paths->path[k] = first->path[i];
     paths->scale[k] = first->scale[i];
@@ -111,10 +111,13 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
         const float near = scattering[on].x, gloss = RC_GLOSSY ? scattering[on].z : 0.0f;
         const float draw = rc_path_draw(&tables, number, path_number, 0u, 0u);
         /* Roundings of a draw do not send a path through what is opaque. */
-        const uint side = draw < gloss ? 2u : near >= 1.0f || draw - gloss < near * (1.0f - gloss) ? 0u : 1u;
+        const uint side = draw < gloss                                           ? RC_GLOSS_SIDE
+                          : near >= 1.0f || draw - gloss < near * (1.0f - gloss) ? RC_NEAR_SIDE
+                                                                                 : RC_FAR_SIDE;
         const uint slot = RC_SLOT_OF(sample, side);
         global const float* at = in + slot;
-        const SkyRay ray = rc_slot_ray(cosine, tables.seed ^ 0x2545f491u, number, path_number, side == 2u, at);
+        const SkyRay ray =
+            rc_slot_ray(cosine, tables.seed ^ 0x2545f491u, number, path_number, side == RC_GLOSS_SIDE, at);
         if (!(ray.facing > 0.0f)) continue;
         const float4 point =
             (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
@@ -124,9 +127,9 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
           first.down |= 1u << i;
         else if (rc_above_skyline(scene, &skyline, ids[sample], point, way))
           first.clear |= 1u << i;
-        first.weight[i] = side == 2u   ? 0.318309886f * ray.facing / (ray.density * gloss)
-                          : side == 1u ? 1.0f / ((1.0f - near) * (1.0f - gloss))
-                                       : 1.0f / (near * (1.0f - gloss));
+        first.weight[i] = side == RC_GLOSS_SIDE ? 0.318309886f * ray.facing / (ray.density * gloss)
+                          : side == RC_FAR_SIDE ? 1.0f / ((1.0f - near) * (1.0f - gloss))
+                                                : 1.0f / (near * (1.0f - gloss));
         first.scale[i] = share.scale * chunk_weight[sample] / sample_total;
         first.pixel[i] = p, first.part[i] = part, first.path[i] = path_number;
         first.slot[i] = slot, first.surface[i] = on, first.side[i] = side;

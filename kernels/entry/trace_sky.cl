@@ -89,7 +89,7 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
         const float granted = open_share[rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample])];
         for (uint slot = sample; slot < RC_PADDED_SAMPLES; slot += RC_NEAR_SAMPLES) {
           global const float* at = in + slot;
-          const bool gloss = RC_SIDE_OF(slot) == 2u;
+          const bool gloss = RC_SIDE_OF(slot) == RC_GLOSS_SIDE;
           const float known = gloss ? 0.0f : granted;
           const SkyRay sent = rc_slot_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), gloss, at);
           if (!(sent.facing > 0.0f) || !(sent.z > 0.0f)) continue;

@@ -33,9 +33,16 @@ static inline SkyRay rc_slot_ray(SkyDensity law, uint seed, uint pixel, uint num
                                  global const float* at) {
   const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
 #if RC_GLOSSY
-  if (gloss)
-    return rc_gloss_ray(law, at[RC_PLANE(RC_LOBE_P0)], seed, pixel, number, nx, ny, nz, at[RC_PLANE(RC_VIEWER_X)],
-                        at[RC_PLANE(RC_VIEWER_Y)], at[RC_PLANE(RC_VIEWER_Z)]);
+  if (gloss) {
+    const float roughness = at[RC_PLANE(RC_LOBE_P0)], f0 = at[RC_PLANE(RC_LOBE_P1)];
+    const float vx = at[RC_PLANE(RC_VIEWER_X)], vy = at[RC_PLANE(RC_VIEWER_Y)], vz = at[RC_PLANE(RC_VIEWER_Z)];
+    SkyRay ray = rc_gloss_way(law, roughness, seed, pixel, number, nx, ny, nz, vx, vy, vz);
+    const RcAngles angles =
+        rc_angles((float4)(nx, ny, nz, 0.0f), (float4)(vx, vy, vz, 0.0f), (float4)(ray.x, ray.y, ray.z, 0.0f));
+    ray.density = RC_GLOSS_SHARE * rc_gloss_pdf(roughness, f0, angles) +
+                  (1.0f - RC_GLOSS_SHARE) * rc_sky_density(law, ray.x, ray.y, ray.z, ray.facing);
+    return ray;
+  }
 #endif
   return rc_sky_ray(law, seed, pixel, number, nx, ny, nz);
 }

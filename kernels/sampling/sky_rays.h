@@ -121,7 +121,7 @@ RC_INLINE void rc_sky_draws(rc_u32 seed, rc_u32 pixel, rc_u32 number, float* u, 
   *v = rc_unit_float(rc_hash(seed, pixel, 1u, RC_SKY_DIMENSION + 1u) + (number + 1u) * 2447445414u);
 }
 
-/* Direction by the law, u and v in [0, 1), with its cosine and no density: Henyey and Greenstein's part is inverted in
+/* Direction by the law, u and v in [0, 1), without its density: Henyey and Greenstein's part is inverted in
  * closed form (Witt, Astrophys. J. Suppl. 35, 1977, equation 19). */
 RC_INLINE SkyRay rc_sky_way(SkyDensity law, float u, float v, float nx, float ny, float nz) {
   SkyRay ray;
@@ -156,19 +156,10 @@ RC_INLINE SkyRay rc_sky_ray(SkyDensity law, rc_u32 seed, rc_u32 pixel, rc_u32 nu
 
 #define RC_GLOSS_SHARE 0.5f /* of a glossy surface's rays: mirrored at its facets */
 
-/* Density of facets' normals of GGX gloss times their cosine, over that of mirrored directions, sr-1 (gloss.h's): of a
- * direction at cosine `facing`, seen along the unit vector (vx, vy, vz). */
-RC_INLINE float rc_mirror_density(float alpha, SkyRay ray, float nx, float ny, float nz, float vx, float vy, float vz) {
-  const float hx = ray.x + vx, hy = ray.y + vy, hz = ray.z + vz, length = RC_SQRT(hx * hx + (hy * hy + hz * hz));
-  if (!(length > 1e-6f)) return 0.0f;
-  const float up = (hx * nx + (hy * ny + hz * nz)) / length, turn = (hx * vx + (hy * vy + hz * vz)) / length;
-  const float a2 = alpha * alpha, below = up * up * (a2 - 1.0f) + 1.0f;
-  return up > 0.0f && turn > 0.0f ? a2 * 0.318309886f / (below * below) * up / (4.0f * turn) : 0.0f;
-}
-
-/* Ray `number` of a pixel by the gloss of a surface, roughness alpha: a share is mirrored at facets drawn from the GGX
- * distribution (Walter et al. 2007, equations 35 and 36), the others go by the law. */
-RC_INLINE SkyRay rc_gloss_ray(SkyDensity law, float alpha, rc_u32 seed, rc_u32 pixel, rc_u32 number, float nx, float ny,
+/* Ray `number` of a pixel by the gloss of a surface, roughness alpha, without its density: a share is mirrored at
+ * facets drawn from the GGX distribution (Walter et al. 2007, equations 35 and 36), the others go by the law. v: to
+ * the viewer, unit. */
+RC_INLINE SkyRay rc_gloss_way(SkyDensity law, float alpha, rc_u32 seed, rc_u32 pixel, rc_u32 number, float nx, float ny,
                               float nz, float vx, float vy, float vz) {
   float u, v;
   SkyRay ray;
@@ -186,8 +177,7 @@ RC_INLINE SkyRay rc_gloss_ray(SkyDensity law, float alpha, rc_u32 seed, rc_u32 p
   } else {
     ray = rc_sky_way(law, (u - RC_GLOSS_SHARE) / (1.0f - RC_GLOSS_SHARE), v, nx, ny, nz);
   }
-  ray.density = RC_GLOSS_SHARE * rc_mirror_density(alpha, ray, nx, ny, nz, vx, vy, vz) +
-                (1.0f - RC_GLOSS_SHARE) * rc_sky_density(law, ray.x, ray.y, ray.z, ray.facing);
+  ray.density = 0.0f;
   return ray;
 }
 

@@ -85,7 +85,7 @@ static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* tra
       global const float* at = traced->point + s;
       const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
       const uint surface = rc_surface_of(scene, traced->primitive[RC_SAMPLE_OF(s)]);
-      const bool granted = RC_SIDE_OF(s) != 2u; /* of gloss nothing is */
+      const bool granted = RC_SIDE_OF(s) != RC_GLOSS_SIDE; /* of gloss nothing is */
       const float known = RC_COMPONENTS > 0 ? (granted ? sky->open_share[surface] : 0.0f) : 0.0f;
       id = surface | RC_SIDE_OF(s) << RC_SIDE_SHIFT;
       rc_node_weights(at[RC_PLANE(RC_POINT_Z)], height_first, height_step, RC_HEIGHTS, &h, &f);

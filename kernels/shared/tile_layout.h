@@ -37,6 +37,7 @@
 #ifndef RAYCUBE_KERNELS_SHARED_TILE_LAYOUT_H
 #define RAYCUBE_KERNELS_SHARED_TILE_LAYOUT_H
 
+#include "kernels/shared/product_key.h"
 #include "kernels/shared/structs.h"
 
 #define RC_WORD 16 /* samples that are handled side by side */
@@ -133,9 +134,11 @@
 #define RC_WORDS (RC_PADDED_SAMPLES / RC_WORD)
 /* Sample of a chunk that a slot belongs to, which side of its surface the slot is (product_key.h), and the reverse. */
 #define RC_SAMPLE_OF(slot) (RC_SIDES > 1 ? (slot) % RC_NEAR_SAMPLES : (slot))
-#define RC_SIDE_OF(slot) \
-  (RC_SIDES == 1 || (slot) < RC_NEAR_SAMPLES ? 0u : RC_THROUGH && (slot) < 2 * RC_NEAR_SAMPLES ? 1u : 2u)
-#define RC_SLOT_OF(sample, side) ((sample) + ((side) == 2u ? 1u + RC_THROUGH : (side)) * RC_NEAR_SAMPLES)
+#define RC_SIDE_OF(slot)                                       \
+  (RC_SIDES == 1 || (slot) < RC_NEAR_SAMPLES    ? RC_NEAR_SIDE \
+   : RC_THROUGH && (slot) < 2 * RC_NEAR_SAMPLES ? RC_FAR_SIDE  \
+                                                : RC_GLOSS_SIDE)
+#define RC_SLOT_OF(sample, side) ((sample) + ((side) == RC_GLOSS_SIDE ? 1u + RC_THROUGH : (side)) * RC_NEAR_SAMPLES)
 /* Sources that have a value per sample, sun, sky and surroundings; emission follows them in a row. */
 #define RC_LIT (RC_SUN + RC_COMPONENTS)
 #define RC_SOURCES (RC_LIT + RC_TEMPERATURES)
