@@ -181,6 +181,8 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     std::optional<Texture> texture;
     if (!members.empty() && record.given("texture"))
       texture = read_texture(*record.table("texture"), members, problems);
+    std::optional<Texture> mask;
+    if (record.sound && record.given("mask")) mask = read_mask(*record.table("mask"), problems);
     if (members.empty()) members.emplace_back();  // of its name, so that what names it is not reported again
     const std::size_t before = problems.lines().size();
     for (Material& material : members) {
@@ -209,6 +211,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       continue;
     }
     if (texture) textures_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*texture));
+    if (mask) masks_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*mask));
     add(name, std::move(members));
   }
 }
@@ -234,7 +237,7 @@ std::uint32_t MaterialTable::at(std::uint32_t surface, double u_m, double v_m) {
     if (of.material[i] == 0) continue;
     const auto texture = textures_.find(of.material[i] - 1);
     const bool has = texture != textures_.end();
-    parts.emplace_back(of.material[i] - 1 + (has ? texture->second.member(u_m, v_m) : 0), of.fraction[i]);
+    parts.emplace_back(of.material[i] - 1 + (has ? texture->second.at(u_m, v_m) : 0), of.fraction[i]);
     textured |= has;
   }
   return textured ? mix(parts) : surface;
@@ -249,8 +252,24 @@ double MaterialTable::texel_m(std::uint32_t surface) const {
   return out;
 }
 
-std::uint32_t MaterialTable::surface(const std::string& name, const base::Where& where, Problems& problems) const {
-  if (const auto found = index_.find(name); found != index_.end()) return found->second;
+CoordinateImages MaterialTable::images(std::uint32_t surface) const {
+  const auto lying = [&](const std::map<std::uint32_t, Texture>& images) -> const Texture* {
+    const auto found = images.find(surfaces_[surface].material[0] - 1);
+    return found != images.end() && found->second.by_coordinates() ? &found->second : nullptr;
+  };
+  return {lying(textures_), lying(masks_)};
+}
+
+std::uint32_t MaterialTable::surface(const std::string& name, const base::Where& where, Problems& problems,
+                                     Covers covers) const {
+  if (const auto found = index_.find(name); found != index_.end()) {
+    if (const CoordinateImages images = this->images(found->second); covers == Covers::shape && images.any())
+      problems.add(
+          where, "material '" + name + "' lies by the texture coordinates of a mesh, which this is not",
+          images.mask != nullptr ? "a mask" : "a texture without texel_m",
+          images.mask != nullptr ? "give it to a mesh" : "give its texture a texel_m, or the material to a mesh");
+    return found->second;
+  }
   std::string known;
   for (const auto& [other, index] : index_) known += (known.empty() ? "" : ", ") + other;
   problems.add(where, "unknown material", "'" + name + "'",

@@ -14,18 +14,35 @@
 
 namespace raycube::scene {
 
+/// What a material is to cover: a mesh may have texture coordinates.
+enum class Covers { shape, mesh };
+
+/// The images of a material that lie by texture coordinates; null: it has none.
+struct CoordinateImages {
+  const Texture* texture = nullptr;
+  const Texture* mask = nullptr;
+  bool any() const { return texture != nullptr || mask != nullptr; }
+};
+
 class MaterialTable {
  public:
   /// Reads every [[material]]; problems name their places.
   MaterialTable(const Record& root, base::Problems& problems);
 
-  /// Surface of one pure material. An unknown name is reported with the nearest known one, and 0 returned.
-  std::uint32_t surface(const std::string& name, const base::Where& where, base::Problems& problems) const;
+  /// Surface of one pure material. An unknown name is reported with the nearest known one, and 0 returned; so is a
+  /// material that only meshes can have.
+  std::uint32_t surface(const std::string& name, const base::Where& where, base::Problems& problems,
+                        Covers covers = Covers::shape) const;
+
+  /// Images of a pure material's surface.
+  CoordinateImages images(std::uint32_t surface) const;
+  /// Surface of the member, from 0, of a family whose first member's surface this is.
+  static std::uint32_t member(std::uint32_t surface, std::uint32_t number) { return surface + number; }
 
   /// Surface of a place on matter of this surface, by the textures of its materials: of a family the member that lies
-  /// there. u_m, v_m: Texture::member's.
+  /// there. u_m, v_m: Texture::at's.
   std::uint32_t at(std::uint32_t surface, double u_m, double v_m);
-  /// Side of the smallest texel of its materials, m; 0: none has a texture.
+  /// Side of the smallest texel of its materials, m; 0: none has a texture that lies by metres.
   double texel_m(std::uint32_t surface) const;
 
   /// Surface of an area mix of up to four materials (surface index, fraction > 0, sum 1); equal mixes share
@@ -42,7 +59,7 @@ class MaterialTable {
 
   std::vector<Material> materials_;
   std::map<std::string, std::uint32_t> index_;
-  std::map<std::uint32_t, Texture> textures_;  ///< by the first member's index
+  std::map<std::uint32_t, Texture> textures_, masks_;  ///< by the (first member's) index
   std::vector<shared::Surface> surfaces_;
   std::map<std::array<std::uint32_t, 8>, std::uint32_t> mixes_;
 };

@@ -8,6 +8,7 @@
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/mesh_file.h"
+#include "scene_compiler/mesh_images.h"
 #include "scene_compiler/panels.h"
 #include "scene_compiler/scene_builder.h"
 
@@ -38,10 +39,11 @@ void assign_materials(const Record& record, const MaterialTable& materials, Mesh
   const auto& map = record.value("materials").map;
   std::map<std::string, std::uint32_t> by_name;
   std::set<std::string> used;
-  for (const auto& [name, value] : map) by_name[name] = materials.surface(value.text, value.where, problems);
+  for (const auto& [name, value] : map)
+    by_name[name] = materials.surface(value.text, value.where, problems, Covers::mesh);
   std::optional<std::uint32_t> fallback;
   if (record.given("material"))
-    fallback = materials.surface(record.text("material"), record.place("material"), problems);
+    fallback = materials.surface(record.text("material"), record.place("material"), problems, Covers::mesh);
   std::vector<std::uint32_t> surface_of_part(file.parts.size(), 0);
   std::set<std::string> without;
   for (std::size_t i = 0; i < file.parts.size(); ++i) {
@@ -69,45 +71,6 @@ void assign_materials(const Record& record, const MaterialTable& materials, Mesh
   for (auto& surface : file.mesh.surface) surface = surface_of_part[surface];
 }
 
-/// Middle of a triangle in the two axes that it faces least, m, and whether its sides are longer than `size_m`.
-struct Laid {
-  double u_m = 0, v_m = 0;
-  bool larger = false;
-};
-Laid laid(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle, double size_m) {
-  std::array<std::array<double, 3>, 3> p;
-  for (std::size_t k = 0; k < 3; ++k)
-    std::copy(mesh.vertices[triangle[k]].begin(), mesh.vertices[triangle[k]].end(), p[k].begin());
-  std::array<double, 3> a{}, b{}, normal{};
-  for (std::size_t k = 0; k < 3; ++k) a[k] = p[1][k] - p[0][k], b[k] = p[2][k] - p[0][k];
-  for (std::size_t k = 0; k < 3; ++k)
-    normal[k] = std::abs(a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
-  const auto faced = std::max_element(normal.rbegin(), normal.rend());  // z before y before x where they are equal
-  const auto axis = static_cast<std::size_t>(normal.rend() - faced) - 1;
-  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-  const auto middle = [&](std::size_t k) { return (p[0][k] + p[1][k] + p[2][k]) / 3; };
-  const double longest =
-      std::sqrt(std::max(a[0] * a[0] + a[1] * a[1] + a[2] * a[2], b[0] * b[0] + b[1] * b[1] + b[2] * b[2]));
-  return {middle(u), middle(v), longest > 2 * size_m};
-}
-
-/// Of triangles of families the members that their textures have at their middles.
-void lay_textures(const std::string& name, MaterialTable& materials, TriangleMesh& mesh,
-                  std::vector<std::string>& notices) {
-  std::size_t larger = 0;
-  double texel_m = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const double size_m = materials.texel_m(mesh.surface[t]);
-    if (size_m <= 0) continue;
-    const Laid at = laid(mesh, mesh.triangles[t], size_m);
-    mesh.surface[t] = materials.at(mesh.surface[t], at.u_m, at.v_m);
-    if (at.larger) ++larger, texel_m = size_m;
-  }
-  if (larger > 0)
-    notices.push_back("mesh '" + name + "': " + std::to_string(larger) + " triangles are longer than two texels of " +
-                      number_text(texel_m) + " m, and each has the one at its middle; finer triangles show more");
-}
-
 void add_mesh(const Record& record, bool strict, MaterialTable& materials, SceneParts& parts, MeshIndex& index,
               Problems& problems) {
   const std::string& name = record.text("name");
@@ -126,7 +89,7 @@ void add_mesh(const Record& record, bool strict, MaterialTable& materials, Scene
                              record.place("file"), problems);
   if (!file) return;
   assign_materials(record, materials, *file, problems);
-  if (problems.empty()) lay_textures(name, materials, file->mesh, parts.notices);
+  if (problems.empty()) lay_images(record, materials, *file, parts.notices, problems);
   if (file->dropped_faces > 0)
     parts.notices.push_back(record.text("file") + ": dropped " + std::to_string(file->dropped_faces) + " of " +
                             std::to_string(file->faces) + " faces without area (first: " + file->first_dropped + ")");

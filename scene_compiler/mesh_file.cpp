@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "host/base/limited_child.h"
 #include "scene_compiler/csv_file.h"
@@ -31,6 +32,7 @@ constexpr std::uint64_t kBase_bytes = 2ull << 30, kPerByte_bytes = 200;
 struct Part {
   std::string material, group;
   std::vector<std::array<float, 3>> vertices;
+  std::vector<std::array<float, 2>> in_image;
   std::vector<std::uint32_t> face_corners, corners;
 };
 
@@ -42,9 +44,12 @@ void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file
   aiString material;
   if (mesh.mMaterialIndex < scene.mNumMaterials) scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
   std::vector<std::array<float, 3>> vertices(mesh.mNumVertices);
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  std::vector<std::array<float, 2>> in_image(mesh.mNumVertices, {kNone, kNone});
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const aiVector3D v = file_from_node * mesh.mVertices[i];
     vertices[i] = {v.x, v.y, v.z};
+    if (mesh.HasTextureCoords(0)) in_image[i] = {mesh.mTextureCoords[0][i].x, mesh.mTextureCoords[0][i].y};
   }
   std::vector<std::uint32_t> face_corners(mesh.mNumFaces), corners;
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
@@ -55,6 +60,7 @@ void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file
   parcel.text(material.C_Str());
   parcel.text(mesh.mName.C_Str());
   parcel.list(vertices.data(), vertices.size());
+  parcel.list(in_image.data(), in_image.size());
   parcel.list(face_corners.data(), face_corners.size());
   parcel.list(corners.data(), corners.size());
 }
@@ -70,12 +76,11 @@ void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pare
 /// false.
 void read_by_assimp(const std::string& file, base::Parcel& parcel) {
   Assimp::Importer importer;
-  // Polygons stay whole here so that face numbers are the file's; normals, colours and texture coordinates
-  // are not used.
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
-                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
-                                  aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
-                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
+  // Polygons stay whole here so that face numbers are the file's; normals and colours are not used.
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
+                                                          aiComponent_COLORS | aiComponent_BONEWEIGHTS |
+                                                          aiComponent_ANIMATIONS | aiComponent_TEXTURES |
+                                                          aiComponent_LIGHTS | aiComponent_CAMERAS);
   const aiScene* scene = importer.ReadFile(file, aiProcess_RemoveComponent);
   const bool read = scene != nullptr && scene->mRootNode != nullptr;
   const std::string said = importer.GetErrorString();
@@ -83,17 +88,6 @@ void read_by_assimp(const std::string& file, base::Parcel& parcel) {
   if (!read) return;
   send_node(*scene, *scene->mRootNode, aiMatrix4x4(), parcel);
   parcel.value(false);
-}
-
-/// Squared doubled area over squared longest edge to the fourth: 0 for a degenerate triangle, at most 3/4.
-bool zero_area(const std::array<float, 3>& a, const std::array<float, 3>& b, const std::array<float, 3>& c) {
-  const std::array<double, 3> e{double(b[0]) - a[0], double(b[1]) - a[1], double(b[2]) - a[2]};
-  const std::array<double, 3> f{double(c[0]) - a[0], double(c[1]) - a[1], double(c[2]) - a[2]};
-  const std::array<double, 3> g{double(c[0]) - b[0], double(c[1]) - b[1], double(c[2]) - b[2]};
-  const double nx = e[1] * f[2] - e[2] * f[1], ny = e[2] * f[0] - e[0] * f[2], nz = e[0] * f[1] - e[1] * f[0];
-  const auto square = [](const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
-  const double longest2 = std::max({square(e), square(f), square(g)});
-  return !(nx * nx + ny * ny + nz * nz > 4e-24 * longest2 * longest2);
 }
 
 class Importer {
@@ -115,6 +109,7 @@ class Importer {
       else
         out.mesh.vertices.push_back({float(x), float(y), float(z)});
     }
+    out.in_image.insert(out.in_image.end(), mesh.in_image.begin(), mesh.in_image.end());
     const std::uint32_t* corner = mesh.corners.data();
     for (const std::uint32_t corners : mesh.face_corners) {
       add_face(corner, corners, static_cast<std::uint32_t>(mesh.vertices.size()), first, part);
@@ -174,6 +169,16 @@ class Importer {
 
 }  // namespace
 
+bool zero_area(const std::array<float, 3>& a, const std::array<float, 3>& b, const std::array<float, 3>& c) {
+  const std::array<double, 3> e{double(b[0]) - a[0], double(b[1]) - a[1], double(b[2]) - a[2]};
+  const std::array<double, 3> f{double(c[0]) - a[0], double(c[1]) - a[1], double(c[2]) - a[2]};
+  const std::array<double, 3> g{double(c[0]) - b[0], double(c[1]) - b[1], double(c[2]) - b[2]};
+  const double nx = e[1] * f[2] - e[2] * f[1], ny = e[2] * f[0] - e[0] * f[2], nz = e[0] * f[1] - e[1] * f[0];
+  const auto square = [](const std::array<double, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+  const double longest2 = std::max({square(e), square(f), square(g)});
+  return !(nx * nx + ny * ny + nz * nz > 4e-24 * longest2 * longest2);
+}
+
 std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, bool y_up, bool strict,
                                        const Where& asked_by, Problems& problems) {
   const std::size_t before = problems.lines().size();
@@ -201,6 +206,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
     Part part;
     part.material = read.text(), part.group = read.text();
     part.vertices = read.list<std::array<float, 3>>();
+    part.in_image = read.list<std::array<float, 2>>();
     part.face_corners = read.list<std::uint32_t>(), part.corners = read.list<std::uint32_t>();
     reader.add_mesh(part);
   }

@@ -19,11 +19,17 @@ struct MeshPart {
 /// A file's triangles. mesh.surface holds the index of the part until materials are assigned.
 struct MeshFile {
   TriangleMesh mesh;
+  /// Of each vertex its place in images, counted in images from their lower left corner: (1, 1) is the upper right one.
+  /// NaN where the file gives none.
+  std::vector<std::array<float, 2>> in_image;
   std::vector<MeshPart> parts;
   std::size_t faces = 0;          ///< polygons in the file
   std::size_t dropped_faces = 0;  ///< of zero area
   std::string first_dropped;      ///< "face 12"
 };
+
+/// Whether a triangle's area is below 1e-12 of its squared longest edge.
+bool zero_area(const std::array<float, 3>& a, const std::array<float, 3>& b, const std::array<float, 3>& c);
 
 /// Reads every mesh of the file with its node transforms applied. unit_m scales; y_up turns (x, y, z) into
 /// (x, -z, y). Refused, with the face or vertex number (OBJ: the line): vertices that are not finite, face

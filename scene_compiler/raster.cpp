@@ -92,7 +92,7 @@ void read_reference(GDALDatasetH dataset, Raster& raster) {
 /// What the child found before any sample, as it hands it back.
 struct Opened {
   int columns = 0, rows = 0, band_count = 0, epsg = 0;
-  bool georeferenced = false, geographic = false;
+  bool georeferenced = false, geographic = false, palette = false;
   std::array<double, 6> transform{};
 };
 
@@ -113,13 +113,16 @@ void read_by_gdal(const std::string& file, int first_band, int count, base::Parc
   if (!dataset) return;
   Raster raster;
   read_reference(dataset.get(), raster);
-  const Opened opened{GDALGetRasterXSize(dataset.get()),
-                      GDALGetRasterYSize(dataset.get()),
-                      GDALGetRasterCount(dataset.get()),
-                      raster.epsg,
-                      raster.georeferenced,
-                      raster.geographic,
-                      raster.transform};
+  Opened opened{GDALGetRasterXSize(dataset.get()),
+                GDALGetRasterYSize(dataset.get()),
+                GDALGetRasterCount(dataset.get()),
+                raster.epsg,
+                raster.georeferenced,
+                raster.geographic,
+                false,
+                raster.transform};
+  if (has_bands(opened, first_band, 1))
+    opened.palette = GDALGetRasterColorTable(GDALGetRasterBand(dataset.get(), first_band)) != nullptr;
   parcel.value(opened);
   if (count == 0) count = opened.band_count - first_band + 1;
   if (!fits(opened, count) || !has_bands(opened, first_band, count)) return;
@@ -178,7 +181,7 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   raster.file = file;
   raster.columns = opened.columns, raster.rows = opened.rows, raster.band_count = opened.band_count;
   raster.georeferenced = opened.georeferenced, raster.transform = opened.transform;
-  raster.epsg = opened.epsg, raster.geographic = opened.geographic;
+  raster.epsg = opened.epsg, raster.geographic = opened.geographic, raster.palette = opened.palette;
   if (count == 0) count = raster.band_count - first_band + 1;
   if (!fits(opened, count)) {
     problems.add({file, 0, 0, ""}, "raster is too large",

@@ -19,6 +19,7 @@ struct Raster {
   std::array<double, 6> transform{0, 1, 0, 0, 0, -1};
   int epsg = 0;                            ///< 0: unknown
   bool geographic = false;                 ///< degrees
+  bool palette = false;                    ///< the first band asked for holds numbers of colours
   std::vector<std::vector<double>> bands;  ///< those asked for, row by row from the raster's first row
   std::vector<std::vector<bool>> valid;    ///< false: nodata or not finite
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 
 #include "host/base/units.h"
@@ -69,14 +71,100 @@ std::vector<std::uint16_t> by_deviations(const std::vector<double>& texels, cons
   return out;
 }
 
+/// One of sRGB's three values, 0 to 1, of a reflectance (IEC 61966-2-1).
+double srgb(double linear) {
+  const double value = std::clamp(linear, 0.0, 1.0);
+  return value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
+}
+
+/// Bands of the image that a texture or a mask names, whole; nullopt after reporting.
+std::optional<Raster> read_image(const Record& record, int bands, Problems& problems) {
+  auto image = read_raster(record.text("image"), static_cast<int>(record.integer("band")), bands, NoData::mark,
+                           record.place("image"), problems);
+  if (!image) return std::nullopt;
+  if (image->palette) {
+    problems.add({image->file, 0, 0, ""}, "the picture's values are numbers of a palette's colours", "a palette",
+                 "write its colours: gdal_translate -expand rgba " + image->file + " NEW.png");
+    return std::nullopt;
+  }
+  for (const std::vector<bool>& valid : image->valid) {
+    const auto hole = std::find(valid.begin(), valid.end(), false);
+    if (hole == valid.end()) continue;
+    const auto at = hole - valid.begin();
+    problems.add({image->file, 0, 0, ""}, "texel without a value",
+                 "column " + std::to_string(at % image->columns) + ", row " + std::to_string(at / image->columns),
+                 "fill it (gdal_fillnodata.py)");
+    return std::nullopt;
+  }
+  return image;
+}
+
+/// Mean of every member in each of the texture's bands, [band][member]; none after reporting.
+std::vector<std::vector<double>> band_means(const Record& texture, const std::vector<Material>& members,
+                                            Problems& problems) {
+  const std::vector<double>& band_nm = texture.numbers("band_nm");
+  std::vector<std::vector<double>> out;
+  for (std::size_t b = 0; b + 1 < band_nm.size(); b += 2) {
+    const double from_um = base::um_from_nm(band_nm[b]), to_um = base::um_from_nm(band_nm[b + 1]);
+    if (!(from_um < to_um)) {
+      problems.add(texture.place("band_nm"), "a band goes from a shorter to a longer wavelength",
+                   number_text(band_nm[b]) + ", " + number_text(band_nm[b + 1]), "give them in that order");
+      return {};
+    }
+    out.emplace_back();
+    for (const Material& member : members) {
+      const auto& um = member.reflectance.wavelength_um;
+      if (um.front() > from_um || um.back() < to_um) {
+        problems.add(texture.place("band_nm"), "the texture's band reaches beyond " + member.source,
+                     number_text(band_nm[b]) + " .. " + number_text(band_nm[b + 1]) + " nm; it has " +
+                         number_text(1e3 * um.front()) + " .. " + number_text(1e3 * um.back()),
+                     "give a band in which all spectra of the family are known");
+        return {};
+      }
+      out.back().push_back(mean_between(member.reflectance, from_um, to_um));
+    }
+  }
+  return out;
+}
+
+/// The members whose means are nearest to what an image of reflectances shows.
+std::vector<std::uint16_t> nearest_to(Raster image, std::vector<std::vector<double>> means, const Record& texture) {
+  const double white = texture.number("white");
+  for (auto& band : image.bands)
+    for (double& value : band) value /= white;
+  if (texture.text("encoding") == "srgb")  // the image has been encoded already
+    for (auto& band : means) std::transform(band.begin(), band.end(), band.begin(), srgb);
+  return nearest_members(image.bands, means);
+}
+
+/// Whether no key is there that the way of choosing has no use for.
+bool asks_for_one_choice(const Record& texture, Problems& problems) {
+  const bool nearest = texture.text("choose") == "nearest";
+  for (const char* key : {"white", "encoding"})
+    if (!nearest && texture.given(key)) {
+      problems.add(texture.place(key), std::string("'") + key + "' goes with choose = \"nearest\"",
+                   texture.text("choose"), "remove it, or choose the nearest");
+      return false;
+    }
+  if (!nearest && texture.numbers("band_nm").size() != 2) {
+    problems.add(texture.place("band_nm"), "one band tells how bright a texel is",
+                 std::to_string(texture.numbers("band_nm").size() / 2) + " bands",
+                 "give the first and the last wavelength of one, or choose = \"nearest\"");
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
-Texture::Texture(int columns, int rows, double texel_m, std::vector<std::uint16_t> member)
-    : columns_(columns), rows_(rows), texel_m_(texel_m), member_(std::move(member)) {}
+Texture::Texture(int columns, int rows, double texel_m, std::vector<std::uint16_t> numbers)
+    : columns_(columns), rows_(rows), texel_m_(texel_m), numbers_(std::move(numbers)) {}
 
-std::uint32_t Texture::member(double u_m, double v_m) const {
-  const std::size_t column = wrapped(u_m / texel_m_, columns_), up = wrapped(v_m / texel_m_, rows_);
-  return member_[(static_cast<std::size_t>(rows_) - 1 - up) * static_cast<std::size_t>(columns_) + column];
+std::uint32_t Texture::at(double u, double v) const {
+  const double column_of = by_coordinates() ? u * columns_ : u / texel_m_,
+               up_of = by_coordinates() ? v * rows_ : v / texel_m_;
+  const std::size_t column = wrapped(column_of, columns_), up = wrapped(up_of, rows_);
+  return numbers_[(static_cast<std::size_t>(rows_) - 1 - up) * static_cast<std::size_t>(columns_) + column];
 }
 
 std::vector<std::uint16_t> choose_members(const std::vector<double>& texels, const std::vector<double>& brightness,
@@ -86,6 +174,26 @@ std::vector<std::uint16_t> choose_members(const std::vector<double>& texels, con
   });
   return choice == TexelChoice::rank ? by_rank(texels, darkest_first)
                                      : by_deviations(texels, brightness, darkest_first);
+}
+
+std::vector<std::uint16_t> nearest_members(const std::vector<std::vector<double>>& reflectance,
+                                           const std::vector<std::vector<double>>& means) {
+  const std::size_t bands = means.size(), members = means[0].size();
+  std::vector<std::uint16_t> out;
+  std::map<std::vector<double>, std::uint16_t> known;  // a picture has fewer colours than texels
+  std::vector<double> texel(bands);
+  for (std::size_t t = 0; t < reflectance[0].size(); ++t) {
+    for (std::size_t b = 0; b < bands; ++b) texel[b] = reflectance[b][t];
+    const auto [entry, fresh] = known.emplace(texel, std::uint16_t{0});
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t m = 0; fresh && m < members; ++m) {
+      double square = 0;
+      for (std::size_t b = 0; b < bands; ++b) square += (means[b][m] - texel[b]) * (means[b][m] - texel[b]);
+      if (square < least) least = square, entry->second = static_cast<std::uint16_t>(m);
+    }
+    out.push_back(entry->second);
+  }
+  return out;
 }
 
 double mean_between(const Curve& curve, double from_um, double to_um) {
@@ -110,39 +218,35 @@ double mean_between(const Curve& curve, double from_um, double to_um) {
 }
 
 std::optional<Texture> read_texture(const Record& texture, const std::vector<Material>& members, Problems& problems) {
-  const std::vector<double>& band_nm = texture.numbers("band_nm");
-  const double from_um = base::um_from_nm(band_nm[0]), to_um = base::um_from_nm(band_nm[1]);
-  if (!(from_um < to_um)) {
-    problems.add(texture.place("band_nm"), "a band goes from a shorter to a longer wavelength",
-                 number_text(band_nm[0]) + ", " + number_text(band_nm[1]), "give them in that order");
-    return std::nullopt;
-  }
-  std::vector<double> brightness;
-  for (const Material& member : members) {
-    const auto& um = member.reflectance.wavelength_um;
-    if (um.front() > from_um || um.back() < to_um) {
-      problems.add(texture.place("band_nm"), "the texture's band reaches beyond " + member.source,
-                   number_text(band_nm[0]) + " .. " + number_text(band_nm[1]) + " nm; it has " +
-                       number_text(1e3 * um.front()) + " .. " + number_text(1e3 * um.back()),
-                   "give a band in which all spectra of the family are known");
-      return std::nullopt;
-    }
-    brightness.push_back(mean_between(member.reflectance, from_um, to_um));
-  }
-  const auto image = read_raster(texture.text("image"), static_cast<int>(texture.integer("band")), 1, NoData::mark,
-                                 texture.place("image"), problems);
+  if (!asks_for_one_choice(texture, problems)) return std::nullopt;
+  const auto means = band_means(texture, members, problems);
+  if (means.empty()) return std::nullopt;
+  const auto image = read_image(texture, static_cast<int>(means.size()), problems);
   if (!image) return std::nullopt;
-  if (const auto hole = std::find(image->valid[0].begin(), image->valid[0].end(), false);
-      hole != image->valid[0].end()) {
-    const auto at = hole - image->valid[0].begin();
-    problems.add({image->file, 0, 0, ""}, "texel without a value",
-                 "column " + std::to_string(at % image->columns) + ", row " + std::to_string(at / image->columns),
-                 "fill it (gdal_fillnodata.py)");
+  const std::string& choice = texture.text("choose");
+  return Texture(image->columns, image->rows, texture.given("texel_m") ? texture.number("texel_m") : 0,
+                 choice == "nearest" ? nearest_to(*image, means, texture)
+                                     : choose_members(image->bands[0], means[0],
+                                                      choice == "rank" ? TexelChoice::rank : TexelChoice::deviations));
+}
+
+std::optional<Texture> read_mask(const Record& mask, Problems& problems) {
+  const auto image = read_image(mask, 1, problems);
+  if (!image) return std::nullopt;
+  const std::vector<double>& values = image->bands[0];
+  const double most = *std::max_element(values.begin(), values.end());
+  const double least = mask.given("least") ? mask.number("least")
+                       : most > 0          ? 0.5 * most
+                                           : std::numeric_limits<double>::infinity();
+  std::vector<std::uint16_t> something;
+  for (const double value : values) something.push_back(value >= least ? 1 : 0);
+  if (std::find(something.begin(), something.end(), 1) == something.end()) {
+    problems.add(mask.place("image"), "the mask leaves nothing",
+                 "values up to " + number_text(most) + " in band " + std::to_string(mask.integer("band")),
+                 "give another band, or a lower 'least'");
     return std::nullopt;
   }
-  const auto choice = texture.text("choose") == "rank" ? TexelChoice::rank : TexelChoice::deviations;
-  return Texture(image->columns, image->rows, texture.number("texel_m"),
-                 choose_members(image->bands[0], brightness, choice));
+  return Texture(image->columns, image->rows, 0, std::move(something));
 }
 
 }  // namespace raycube::scene

@@ -4,6 +4,7 @@ raycube_test(sun_position SOURCES oracle/sun_position_test.cpp LIBS raycube::sce
   fast)
 raycube_test(scene_spectra SOURCES unit/scene_spectra_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(texture_choice SOURCES unit/texture_choice_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(texel_cut SOURCES unit/texel_cut_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(leaf_optics SOURCES oracle/leaf_optics_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_terrain SOURCES unit/scene_terrain_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_content SOURCES unit/scene_content_test.cpp LIBS raycube::scene_compiler LABELS fast)

@@ -33,11 +33,25 @@ TEST_CASE("S22 texture: by deviations the member as far from the family's mean a
 
 TEST_CASE("S22 texture: the first row lies uppermost, and the image repeats on all sides") {
   const scene::Texture texture(3, 2, 0.5, {0, 1, 2, 3, 4, 5});
-  CHECK(texture.member(0.1, 0.6) == 0);
-  CHECK(texture.member(1.4, 0.9) == 2);
-  CHECK(texture.member(0.6, 0.2) == 4);
-  CHECK(texture.member(0.6 + 1.5 * 7, 0.2 - 1.0 * 9) == 4);
-  CHECK(texture.member(-0.1, -0.1) == 2);
+  CHECK(texture.at(0.1, 0.6) == 0);
+  CHECK(texture.at(1.4, 0.9) == 2);
+  CHECK(texture.at(0.6, 0.2) == 4);
+  CHECK(texture.at(0.6 + 1.5 * 7, 0.2 - 1.0 * 9) == 4);
+  CHECK(texture.at(-0.1, -0.1) == 2);
+  // By texture coordinates the whole image lies between 0 and 1.
+  const scene::Texture mapped(3, 2, 0, {0, 1, 2, 3, 4, 5});
+  CHECK(mapped.at(0.1, 0.9) == 0);
+  CHECK(mapped.at(0.9, 0.6) == 2);
+  CHECK(mapped.at(0.5, 0.1) == 4);
+  CHECK(mapped.at(4.5, -6.9) == 4);
+}
+
+TEST_CASE("S22 texture: by a map of reflectances the nearest member in all bands") {
+  const std::vector<std::vector<double>> members{{0.1, 0.5, 0.5}, {0.1, 0.1, 0.5}};  // two bands of three members
+  CHECK(scene::nearest_members({{0.1, 0.45, 0.9, 0.31}, {0.2, 0.1, 0.9, 0.1}}, members) ==
+        std::vector<std::uint16_t>{0, 1, 2, 1});
+  CHECK(scene::nearest_members({{0.375, 0.375}, {0.1, 0.1}}, {{0.25, 0.5}, {0.1, 0.1}}) ==
+        std::vector<std::uint16_t>{0, 0});  // of equals the first
 }
 
 TEST_CASE("S22 texture: a spectrum is as bright as its mean over the band") {

@@ -1,0 +1,179 @@
+#include "scene_compiler/mesh_images.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <unordered_map>
+
+#include "scene_compiler/document_values.h"
+#include "scene_compiler/texel_cut.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+
+constexpr double kMostCells = 4e7;
+constexpr std::uint32_t kCutOut = 0xffffffffu;
+
+/// Middle of a triangle in the two axes that it faces least, m, and whether its sides are longer than `size_m`.
+struct Laid {
+  double u_m = 0, v_m = 0;
+  bool larger = false;
+};
+Laid laid(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle, double size_m) {
+  std::array<std::array<double, 3>, 3> p;
+  for (std::size_t k = 0; k < 3; ++k)
+    std::copy(mesh.vertices[triangle[k]].begin(), mesh.vertices[triangle[k]].end(), p[k].begin());
+  std::array<double, 3> a{}, b{}, normal{};
+  for (std::size_t k = 0; k < 3; ++k) a[k] = p[1][k] - p[0][k], b[k] = p[2][k] - p[0][k];
+  for (std::size_t k = 0; k < 3; ++k)
+    normal[k] = std::abs(a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+  const auto faced = std::max_element(normal.rbegin(), normal.rend());  // z before y before x where they are equal
+  const auto axis = static_cast<std::size_t>(normal.rend() - faced) - 1;
+  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  const auto middle = [&](std::size_t k) { return (p[0][k] + p[1][k] + p[2][k]) / 3; };
+  const double longest =
+      std::sqrt(std::max(a[0] * a[0] + a[1] * a[1] + a[2] * a[2], b[0] * b[0] + b[1] * b[1] + b[2] * b[2]));
+  return {middle(u), middle(v), longest > 2 * size_m};
+}
+
+/// Of triangles of families the members that their textures have at their middles, by metres.
+void lay_by_metres(const std::string& name, MaterialTable& materials, TriangleMesh& mesh,
+                   std::vector<std::string>& notices) {
+  std::size_t larger = 0;
+  double texel_m = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const double size_m = materials.texel_m(mesh.surface[t]);
+    if (size_m <= 0) continue;
+    const Laid at = laid(mesh, mesh.triangles[t], size_m);
+    mesh.surface[t] = materials.at(mesh.surface[t], at.u_m, at.v_m);
+    if (at.larger) ++larger, texel_m = size_m;
+  }
+  if (larger > 0)
+    notices.push_back("mesh '" + name + "': " + std::to_string(larger) + " triangles are longer than two texels of " +
+                      number_text(texel_m) + " m, and each has the one at its middle; finer triangles show more");
+}
+
+TexelCounts texel_counts(const CoordinateImages& images) {
+  TexelCounts out;
+  for (const Texture* image : {images.texture, images.mask})
+    if (image != nullptr) out[0].push_back(image->columns()), out[1].push_back(image->rows());
+  return out;
+}
+
+/// The mesh anew, triangle by triangle.
+class Cutting {
+ public:
+  explicit Cutting(const TriangleMesh& from) : from_(from) { mesh.vertices = from.vertices; }
+
+  void keep(std::size_t triangle) { add(from_.triangles[triangle], from_.surface[triangle], triangle); }
+
+  void cut(std::size_t triangle, const std::array<ImageCorner, 3>& corners, const CoordinateImages& images) {
+    const std::uint32_t surface = from_.surface[triangle];
+    cut_by_texels(
+        corners, texel_counts(images), images.texture == nullptr,
+        [&](double u, double v) {
+          if (images.mask != nullptr && images.mask->at(u, v) == 0) return kCutOut;
+          return images.texture != nullptr ? images.texture->at(u, v) : 0u;
+        },
+        [&](const std::vector<ImageCorner>& piece, std::uint32_t number) {
+          if (number == kCutOut) return;
+          std::vector<std::uint32_t> at;
+          for (const ImageCorner& corner : piece) at.push_back(vertex(corner.position));
+          for (std::size_t k = 2; k < at.size(); ++k)
+            add({at[0], at[k - 1], at[k]}, MaterialTable::member(surface, number), triangle);
+        });
+  }
+
+  TriangleMesh mesh;
+
+ private:
+  struct Bits {
+    std::size_t operator()(const std::array<float, 3>& v) const {
+      std::uint64_t h = 0;
+      for (const float f : v) h = (h ^ std::bit_cast<std::uint32_t>(f + 0.0f)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+      return h;
+    }
+  };
+
+  /// Pieces that meet at a place share its vertex.
+  std::uint32_t vertex(const std::array<double, 3>& position) {
+    std::array<float, 3> rounded{};
+    for (std::size_t k = 0; k < 3; ++k) rounded[k] = static_cast<float>(position[k]);
+    const auto [entry, fresh] = known_.emplace(rounded, static_cast<std::uint32_t>(mesh.vertices.size()));
+    if (fresh) mesh.vertices.push_back(rounded);
+    return entry->second;
+  }
+
+  void add(const std::array<std::uint32_t, 3>& corners, std::uint32_t surface, std::size_t triangle) {
+    const auto& v = mesh.vertices;
+    if (zero_area(v[corners[0]], v[corners[1]], v[corners[2]])) return;  // as thin as rounding
+    mesh.triangles.push_back(corners);
+    mesh.surface.push_back(surface);
+    mesh.user_face.push_back(from_.user_face[triangle]);
+  }
+
+  const TriangleMesh& from_;
+  std::unordered_map<std::array<float, 3>, std::uint32_t, Bits> known_;
+};
+
+/// Corners of a triangle and their places in images; nullopt: the file gives none.
+std::optional<std::array<ImageCorner, 3>> image_corners(const MeshFile& file, std::size_t triangle) {
+  std::array<ImageCorner, 3> out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t v = file.mesh.triangles[triangle][k];
+    std::copy(file.mesh.vertices[v].begin(), file.mesh.vertices[v].end(), out[k].position.begin());
+    std::copy(file.in_image[v].begin(), file.in_image[v].end(), out[k].in_image.begin());
+    if (!std::isfinite(out[k].in_image[0]) || !std::isfinite(out[k].in_image[1])) return std::nullopt;
+  }
+  return out;
+}
+
+/// Cuts every triangle whose material has images by coordinates; false after reporting.
+bool lay_by_coordinates(const Record& record, const MaterialTable& materials, MeshFile& file, Problems& problems) {
+  const auto has_images = [&](std::uint32_t surface) { return materials.images(surface).any(); };
+  if (std::none_of(file.mesh.surface.begin(), file.mesh.surface.end(), has_images)) return true;
+  Cutting cutting(file.mesh);
+  double cells = 0;
+  for (std::size_t t = 0; t < file.mesh.triangles.size(); ++t) {
+    const CoordinateImages images = materials.images(file.mesh.surface[t]);
+    if (!images.any()) {
+      cutting.keep(t);
+      continue;
+    }
+    const auto corners = image_corners(file, t);
+    if (!corners) {
+      problems.add(record.place("file"), "a material's image lies by texture coordinates, and faces have none",
+                   "face " + std::to_string(file.mesh.user_face[t]) + " of " + record.text("file"),
+                   images.mask != nullptr ? "unwrap the mesh, or use a material without a mask for these faces"
+                                          : "unwrap the mesh, or give the texture a texel_m");
+      return false;
+    }
+    cells += texel_cells(*corners, texel_counts(images));
+    if (cells > kMostCells) {
+      problems.add(record.place("file"), "more than 4e7 texels on one mesh",
+                   "from face " + std::to_string(file.mesh.user_face[t]) + " on",
+                   "give coarser images (gdal_translate -outsize)");
+      return false;
+    }
+    cutting.cut(t, *corners, images);
+  }
+  file.mesh = std::move(cutting.mesh);
+  file.in_image.clear();
+  if (!file.mesh.triangles.empty()) return true;
+  problems.add(record.where, "the mask leaves nothing of mesh '" + record.text("name") + "'", record.text("file"),
+               "see the mask's band and 'least', and the mesh's texture coordinates");
+  return false;
+}
+
+}  // namespace
+
+void lay_images(const Record& record, MaterialTable& materials, MeshFile& file, std::vector<std::string>& notices,
+                Problems& problems) {
+  // Pieces first: a family's mask belongs to its first member, whose surface its triangles have until then.
+  if (lay_by_coordinates(record, materials, file, problems))
+    lay_by_metres(record.text("name"), materials, file.mesh, notices);
+}
+
+}  // namespace raycube::scene
