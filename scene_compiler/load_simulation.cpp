@@ -10,6 +10,7 @@
 #include "scene_compiler/ground.h"
 #include "scene_compiler/instrument_builder.h"
 #include "scene_compiler/lidar_builder.h"
+#include "scene_compiler/measure_builder.h"
 #include "scene_compiler/placed_box.h"
 #include "scene_compiler/scene_builder.h"
 #include "scene_compiler/sun_position.h"
@@ -261,6 +262,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.atmosphere = read_atmosphere(root, parts.origin, options.air_model, problems);
   if (!root.records("instrument").empty() || root.given("time")) out.sun = read_sun(root, parts.origin, problems);
   out.instruments = read_instruments(root, parts, parts.notices, problems);
+  out.measures = read_measures(root, problems);
   const std::vector<PlacedBox> boxes = placed_boxes(parts);
   check_resolution(parts, boxes, out.file, parts.notices, problems);
   out.lidars = read_lidars(root, parts, box_around(boxes), root.given("time"), parts.notices, problems);

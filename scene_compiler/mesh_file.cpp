@@ -74,14 +74,17 @@ void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pare
 
 /// In the child: Assimp's word on the file (empty: it was read), then its meshes, each after a true, then a
 /// false.
-void read_by_assimp(const std::string& file, base::Parcel& parcel) {
+void read_by_assimp(const std::string& file, const std::string& text, base::Parcel& parcel) {
   Assimp::Importer importer;
   // Polygons stay whole here so that face numbers are the file's; normals and colours are not used.
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                                           aiComponent_COLORS | aiComponent_BONEWEIGHTS |
                                                           aiComponent_ANIMATIONS | aiComponent_TEXTURES |
                                                           aiComponent_LIGHTS | aiComponent_CAMERAS);
-  const aiScene* scene = importer.ReadFile(file, aiProcess_RemoveComponent);
+  const auto other = ply_for_assimp(text);
+  const aiScene* scene =
+      other ? importer.ReadFileFromMemory(other->data(), other->size(), aiProcess_RemoveComponent, "ply")
+            : importer.ReadFile(file, aiProcess_RemoveComponent);
   const bool read = scene != nullptr && scene->mRootNode != nullptr;
   const std::string said = importer.GetErrorString();
   parcel.text(read ? "" : said.empty() ? "no message" : said);
@@ -194,7 +197,8 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   base::ChildLimits limits;
   limits.cpu_s = kBase_s + kPerByte_s * bytes;
   limits.memory_bytes = kBase_bytes + kPerByte_bytes * text->size();
-  base::Unpacked read = base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, parcel); });
+  base::Unpacked read =
+      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, *text, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,

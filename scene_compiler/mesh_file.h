@@ -47,4 +47,9 @@ void check_obj_text(const std::string& text, const std::string& file, base::Prob
 /// line. Assimp runs in a circle on the first and takes memory for the last.
 void check_ply_header(const std::string& text, const std::string& file, base::Problems& problems);
 
+/// A binary PLY text as Assimp reads it right, where it would not as it stands: after the header it drops one line
+/// feed, which it takes for the end of a line ended by \r\n, though the first vertex may begin with such a byte (Assimp
+/// 5.2.5; all that follows is then read one byte off).
+std::optional<std::string> ply_for_assimp(const std::string& text);
+
 }  // namespace raycube::scene

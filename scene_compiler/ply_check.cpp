@@ -130,4 +130,14 @@ void check_ply_header(const std::string& text, const std::string& file, base::Pr
   HeaderCheck(text, file, problems).run();
 }
 
+std::optional<std::string> ply_for_assimp(const std::string& text) {
+  static constexpr std::string_view kEnd = "\nend_header\n";
+  const std::size_t end = text.find(kEnd);
+  if (!text.starts_with("ply") || end == std::string::npos) return std::nullopt;
+  const std::size_t data = end + kEnd.size();
+  const std::size_t binary = text.find("\nformat binary");
+  if (binary == std::string::npos || binary > end || data >= text.size() || text[data] != '\n') return std::nullopt;
+  return text.substr(0, data) + "\n" + text.substr(data);
+}
+
 }  // namespace raycube::scene

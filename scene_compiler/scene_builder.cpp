@@ -13,6 +13,8 @@ namespace {
 
 using base::Problems;
 
+constexpr double kMostRepeated = 5e7;
+
 /// Squares of two materials in turn; of a family each has the texel at its middle.
 Cut checker_of(const Record& checker, MaterialTable& materials, Problems& problems) {
   const Value& names = checker.value("materials");
@@ -121,6 +123,35 @@ std::vector<std::vector<std::uint32_t>> tree_groups(const SceneParts& parts, Tre
   return alone;
 }
 
+/// [scene] periodic: places everything again beside itself, after the cell itself: what was placed first comes first.
+void repeat_cell(const Record& root, SceneParts& parts, Problems& problems) {
+  const Record* scene = root.table("scene");
+  const Record* cell = scene ? scene->table("periodic") : nullptr;
+  if (cell == nullptr || !cell->sound) return;
+  if (!parts.volumes.empty()) {
+    problems.add(cell->where, "volumes do not repeat", std::to_string(parts.volumes.size()) + " volumes",
+                 "remove them, or periodic");
+    return;
+  }
+  const auto copies = cell->integer("copies");
+  const std::vector<Placed> once = parts.placed;
+  const double more = 4.0 * static_cast<double>(copies) * static_cast<double>(copies + 1);
+  if (more * static_cast<double>(once.size()) > kMostRepeated) {
+    problems.add(cell->place("copies"), "more placements than a scene holds",
+                 number_text(more * static_cast<double>(once.size())), "at most 5e7: give fewer copies");
+    return;
+  }
+  for (auto i = -copies; i <= copies; ++i)
+    for (auto j = -copies; j <= copies; ++j) {
+      if (i == 0 && j == 0) continue;
+      for (Placed placed : once) {
+        placed.scene_from_mesh[3] += static_cast<double>(i) * cell->number("x_m");
+        placed.scene_from_mesh[7] += static_cast<double>(j) * cell->number("y_m");
+        parts.placed.push_back(placed);
+      }
+    }
+}
+
 }  // namespace
 
 std::array<double, 3> position_of(const Record& record, const SceneParts& parts, Problems& problems) {
@@ -179,6 +210,7 @@ SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Proble
   add_panels(root, materials, parts, problems);
   add_meshes_and_instances(root, materials, parts, problems);
   add_volumes(root, parts, problems);
+  repeat_cell(root, parts, problems);
   return parts;
 }
 

@@ -76,6 +76,20 @@ struct Instrument {
   std::optional<double> integer_scale;   ///< write uint16 of round(radiance * scale)
 };
 
+enum class MeasureViews { principal, orthogonal, hemisphere };
+
+/// Reflectance factors of a level area (host/run/measure.h).
+struct Measure {
+  std::string name;
+  std::string bands_of;  ///< instrument
+  std::array<double, 2> center_m{}, size_m{};
+  std::optional<double> height_m;  ///< of the level; none: the scene's highest point
+  MeasureViews views = MeasureViews::principal;
+  double first_deg = 0, last_deg = 0, step_deg = 0;  ///< zenith angles in a plane
+  int directions = 0;                                ///< of a hemisphere
+  int pixels = 0, samples = 0, paths = 0;            ///< along a side; of a pixel in a batch
+};
+
 /// Where the sun is. Towards the sun, seen from the scene origin.
 /// The light in the sky: the sun, or the moon in its place.
 struct Sun {
@@ -157,6 +171,7 @@ struct Simulation {
   Sun sun;
   std::vector<Instrument> instruments;
   std::vector<Lidar> lidars;
+  std::vector<Measure> measures;
   CompiledScene scene;
   std::shared_ptr<const Ground> ground;  ///< kept where a LIDAR counts heights from it, else null
   std::string resolved_json;             ///< every option with its value after defaults

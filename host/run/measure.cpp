@@ -1,0 +1,280 @@
+#include "host/run/measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/units.h"
+#include "host/plan/quadrature.h"
+#include "host/render/replicates.h"
+#include "host/run/camera_job.h"
+#include "scene_compiler/bvh_builder.h"
+#include "scene_compiler/panels.h"
+
+namespace raycube::run {
+
+namespace {
+
+constexpr double kFar = 2000;        ///< of the camera, in diagonals of the area
+constexpr double kLongest_um = 3.0;  ///< beyond which surfaces at everyday temperatures shine by themselves
+
+/// -180 to 180.
+double turned_deg(double deg) { return deg - 360 * std::floor(deg / 360 + 0.5); }
+
+MeasureView view_in_plane(double zenith_deg, double plane_azimuth_deg, const scene::Sun& sun) {
+  const double azimuth_deg = plane_azimuth_deg + (zenith_deg < 0 ? 180 : 0);
+  return {zenith_deg, azimuth_deg - 360 * std::floor(azimuth_deg / 360), turned_deg(sun.azimuth_deg - azimuth_deg), 0};
+}
+
+std::vector<MeasureView> hemisphere_views(int directions, const scene::Sun& sun) {
+  const int rings = std::max(1, static_cast<int>(std::lround(std::sqrt(directions / 1.5)))),
+            around = (directions + rings - 1) / rings;
+  const auto nodes = plan::gauss_legendre(rings);
+  std::vector<MeasureView> out;
+  for (int ring = 0; ring < rings; ++ring) {
+    const auto [node, weight] = nodes[static_cast<std::size_t>(ring)];
+    for (int k = 0; k < around; ++k) {
+      MeasureView view = view_in_plane(base::deg_from_rad(std::asin(std::sqrt(0.5 * (node + 1)))),
+                                       sun.azimuth_deg + 360 * (k + 0.5 * (ring % 2)) / around, sun);
+      view.weight = 0.5 * weight / around;
+      out.push_back(view);
+    }
+  }
+  return out;
+}
+
+/// A camera far off that sees the area and nothing beside it.
+scene::Instrument camera_of(const scene::Measure& measure, const MeasureView& view, double level_m,
+                            const std::vector<scene::Band>& bands) {
+  const double zenith = base::rad_by_division(std::abs(view.zenith_deg)),
+               azimuth = base::rad_by_division(view.azimuth_deg);
+  const double far_m = kFar * std::hypot(measure.size_m[0], measure.size_m[1]);
+  scene::Instrument out;
+  out.name = measure.name;
+  out.bands = bands;
+  out.pixels = out.lines = measure.pixels;
+  out.ifov_across_rad = measure.size_m[0] / far_m / measure.pixels;
+  out.ifov_along_rad = measure.size_m[1] * std::cos(zenith) / far_m / measure.pixels;
+  // It stands on the view's side, its nose towards the area: from the vertical it looks ahead by the zenith angle.
+  scene::Pose pose{};
+  pose.x_m = measure.center_m[0] + far_m * std::sin(zenith) * std::sin(azimuth);
+  pose.y_m = measure.center_m[1] + far_m * std::sin(zenith) * std::cos(azimuth);
+  pose.z_m = level_m + far_m * std::cos(zenith);
+  pose.pitch_deg = std::abs(view.zenith_deg);
+  pose.heading_deg = view.azimuth_deg + 180;
+  out.poses = {pose};
+  out.sampler = scene::SamplerKind::jittered;
+  const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(measure.samples))));
+  out.samples_u = side, out.samples_v = (measure.samples + side - 1) / side;
+  out.samples_given = true;
+  out.small_objects = scene::SmallObjects::off;
+  return out;
+}
+
+/// Mean radiance of all pixels under each of the draws, [draw][band].
+std::vector<std::vector<double>> batch_means(render::Renderer& renderer, const scene::Instrument& camera,
+                                             const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed) {
+  std::vector<render::PixelDraw> draws;
+  for (int batch = 0; batch < kMeasureBatches; ++batch) draws.push_back({render::replicate_seed(seed, batch), 0});
+  const auto found = renderer.draws_of(camera, plan, sun, draws, {{0, camera.lines, 0, camera.pixels}});
+  const std::size_t bands = camera.bands.size();
+  std::vector<std::vector<double>> out;
+  for (const std::vector<float>& draw : found) {
+    std::vector<double>& mean = out.emplace_back(bands, 0.0);
+    for (std::size_t i = 0; i < draw.size(); ++i) mean[i % bands] += static_cast<double>(draw[i]);
+    for (double& value : mean) value *= static_cast<double>(bands) / static_cast<double>(draw.size());
+  }
+  return out;
+}
+
+/// A level white plane and nothing else.
+scene::CompiledScene white_panel() {
+  scene::CompiledScene out;
+  scene::Material white;
+  white.name = "white";
+  white.reflectance = {{0.05, 100.0}, {1.0, 1.0}};
+  out.materials = {white};
+  shared::Surface surface{};
+  surface.material[0] = 1, surface.fraction[0] = 1;
+  out.surfaces = {surface};
+  const auto mesh =
+      scene::plane_mesh({0, 0, 0}, {1000, 1000}, 0, 0, {0, [](std::uint32_t, std::uint32_t) { return 0u; }});
+  scene::append_instance(out, out.meshes[scene::append_mesh(out, "panel", mesh)].tree,
+                         {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0);
+  scene::finish_top_tree(out);
+  return out;
+}
+
+/// Radiance of an ideal white panel under the measure's sun, [band].
+std::vector<double> white_radiance(const render::RenderOptions& options, const scene::Simulation& simulation,
+                                   const std::vector<scene::Band>& bands, Services& services) {
+  scene::Simulation panel;
+  panel.scene = white_panel();
+  panel.sun = simulation.sun;
+  panel.atmosphere = simulation.atmosphere;
+  panel.sky_directions = 1, panel.sky_directions_given = true;
+  scene::Measure small;
+  small.name = "panel", small.size_m = {10, 10}, small.pixels = 4, small.samples = 1;
+  const scene::Instrument camera = camera_of(small, {}, 0, bands);
+  render::Renderer renderer(panel.scene, options);
+  const CameraJob job = prepare_camera(panel, camera, services);
+  return batch_means(renderer, *job.instrument, job.plan, panel.sun, 1)[0];
+}
+
+Measured measured(const std::vector<double>& batches) {
+  const auto count = static_cast<double>(batches.size());
+  double sum = 0, square = 0;
+  for (const double value : batches) sum += value;
+  for (const double value : batches) square += (value - sum / count) * (value - sum / count);
+  return {sum / count, std::sqrt(square / (count - 1) / count)};
+}
+
+/// Reflectance factors of every batch, [batch][band].
+using Batches = std::vector<std::vector<double>>;
+
+ReflectanceFactor factor_of(const Batches& all, const Batches& single, std::size_t band) {
+  std::vector<double> whole, more;
+  for (std::size_t batch = 0; batch < all.size(); ++batch) {
+    whole.push_back(all[batch][band]);
+    more.push_back(all[batch][band] - single[batch][band]);
+  }
+  return {measured(whole), measured(more)};
+}
+
+void add(Batches& sum, const Batches& more, double weight) {
+  if (sum.empty()) sum.assign(more.size(), std::vector<double>(more[0].size(), 0.0));
+  for (std::size_t i = 0; i < more.size(); ++i)
+    for (std::size_t b = 0; b < more[i].size(); ++b) sum[i][b] += weight * more[i][b];
+}
+
+}  // namespace
+
+const std::vector<scene::Band>& measure_bands(const scene::Simulation& simulation, const scene::Measure& measure) {
+  const auto found = std::find_if(simulation.instruments.begin(), simulation.instruments.end(),
+                                  [&](const scene::Instrument& one) { return one.name == measure.bands_of; });
+  if (found == simulation.instruments.end())
+    throw base::Error(base::Fault::bug, "measure '" + measure.name + "' has no instrument");
+  return found->bands;
+}
+
+void check_measure(const scene::Simulation& simulation, const scene::Measure& measure) {
+  if (simulation.sun.moon_phase_deg >= 0 || !(simulation.sun.zenith_deg < 89.9))
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("measure '{}' wants a sun above the horizon (found zenith {} deg{}); give time.sun a "
+                    "zenith_deg below 89.9",
+                    measure.name, simulation.sun.zenith_deg, simulation.sun.moon_phase_deg >= 0 ? ", the moon" : ""));
+  for (const scene::Band& band : measure_bands(simulation, measure))
+    if (band.center_um > kLongest_um)
+      throw base::Error(base::Fault::input,
+                        fmt::format("measure '{}' is of sunlight (found a band at {:g} um of instrument '{}'); name an "
+                                    "instrument of bands up to {:g} um in bands_of",
+                                    measure.name, band.center_um, measure.bands_of, kLongest_um));
+}
+
+std::vector<MeasureView> measure_views(const scene::Measure& measure, const scene::Sun& sun) {
+  if (measure.views == scene::MeasureViews::hemisphere) return hemisphere_views(measure.directions, sun);
+  const double plane_deg = sun.azimuth_deg + (measure.views == scene::MeasureViews::orthogonal ? 90 : 0);
+  std::vector<MeasureView> out;
+  const auto steps = static_cast<int>(std::floor((measure.last_deg - measure.first_deg) / measure.step_deg + 1e-9));
+  for (int i = 0; i <= steps; ++i)
+    out.push_back(view_in_plane(measure.first_deg + i * measure.step_deg, plane_deg, sun));
+  return out;
+}
+
+MeasureResult measure(render::Renderer& renderer, const render::RenderOptions& options, scene::Simulation& simulation,
+                      const scene::Measure& measure, Services& services) {
+  const std::vector<scene::Band> bands = measure_bands(simulation, measure);
+  check_measure(simulation, measure);
+  simulation.atmosphere = {};
+  simulation.atmosphere.none = true;
+  simulation.sky_directions = 2 * measure.paths, simulation.sky_directions_given = true;
+  simulation.bounces_given = true;
+  const std::vector<double> white = white_radiance(options, simulation, bands, services);
+  const double level_m = measure.height_m.value_or(double{simulation.scene.hi[2]});
+
+  MeasureResult out;
+  out.views = measure_views(measure, simulation.sun);
+  for (const scene::Band& band : bands) out.wavelength_um.push_back(band.center_um);
+  // Nothing of a plan without air depends on where one looks from.
+  const CameraJob job = prepare_camera(simulation, camera_of(measure, out.views.front(), level_m, bands), services);
+  plan::Plan once = job.plan;
+  once.bounces = {};
+  Batches sum_all, sum_single;
+  const Step step(services, "views of " + measure.name, out.views.size(), "directions");
+  for (std::size_t v = 0; v < out.views.size(); ++v) {
+    const scene::Instrument camera = camera_of(measure, out.views[v], level_m, bands);
+    const std::uint64_t seed = simulation.seed + 0x9e3779b97f4a7c15ull * (v + 1);
+    const auto factors = [&](const plan::Plan& plan) {
+      Batches found = batch_means(renderer, camera, plan, simulation.sun, seed);
+      for (auto& batch : found)
+        for (std::size_t b = 0; b < batch.size(); ++b) batch[b] /= white[b];
+      return found;
+    };
+    const Batches all = factors(job.plan), single = job.plan.bounces.any() ? factors(once) : all;
+    auto& view = out.factor.emplace_back();
+    for (std::size_t b = 0; b < bands.size(); ++b) view.push_back(factor_of(all, single, b));
+    if (measure.views == scene::MeasureViews::hemisphere)
+      add(sum_all, all, out.views[v].weight), add(sum_single, single, out.views[v].weight);
+    step.advance();
+  }
+  for (std::size_t b = 0; !sum_all.empty() && b < bands.size(); ++b)
+    out.albedo.push_back(factor_of(sum_all, sum_single, b));
+  return out;
+}
+
+std::string measure_csv(const scene::Measure& measure, const MeasureResult& result) {
+  std::string out = "# raycube measure '" + measure.name +
+                    "': reflectance factors under the sun alone, without air; errors are standard errors\n"
+                    "view_zenith_deg,view_azimuth_deg,relative_azimuth_deg,wavelength_um,brf,brf_error,brf_multiple,"
+                    "brf_multiple_error\n";
+  for (std::size_t v = 0; v < result.views.size(); ++v)
+    for (std::size_t b = 0; b < result.wavelength_um.size(); ++b) {
+      const MeasureView& view = result.views[v];
+      const ReflectanceFactor& factor = result.factor[v][b];
+      out += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.4g},{:.9g},{:.4g}\n", view.zenith_deg, view.azimuth_deg,
+                         view.relative_azimuth_deg, result.wavelength_um[b], factor.all.mean, factor.all.error,
+                         factor.multiple.mean, factor.multiple.error);
+    }
+  return out;
+}
+
+std::string measure_mes(const MeasureResult& result, const scene::Sun& sun, std::size_t band,
+                        Measured ReflectanceFactor::*part) {
+  // https://rami-benchmark.jrc.ec.europa.eu, measurement brfpp: rows, columns, ratio of filtered rays; then zenith of
+  // the sun and of the view, azimuth of the sun less that of the view, factor and standard deviation.
+  std::string out = fmt::format("{:4d} {:4d} {:.6f}\n", result.views.size(), 5, 1.0);
+  for (std::size_t v = 0; v < result.views.size(); ++v) {
+    const MeasureView& view = result.views[v];
+    const Measured& value = result.factor[v][band].*part;
+    out += fmt::format("{:.6f} {:.6f} {:.6f} {:.6f} {:.6f}\n", base::rad_by_division(sun.zenith_deg),
+                       base::rad_by_division(std::abs(view.zenith_deg)),
+                       base::rad_by_division(view.relative_azimuth_deg), value.mean, value.error);
+  }
+  return out;
+}
+
+nlohmann::ordered_json measure_json(const scene::Measure& measure, const MeasureResult& result) {
+  nlohmann::ordered_json all = {
+      {"measure", measure.name}, {"wavelength_um", result.wavelength_um}, {"views", nlohmann::json::array()}};
+  const auto told = [](const std::vector<ReflectanceFactor>& factors) {
+    nlohmann::ordered_json out;
+    for (const ReflectanceFactor& factor : factors) {
+      out["mean"].push_back(factor.all.mean), out["error"].push_back(factor.all.error);
+      out["multiple"].push_back(factor.multiple.mean), out["multiple_error"].push_back(factor.multiple.error);
+    }
+    return out;
+  };
+  for (std::size_t v = 0; v < result.views.size(); ++v)
+    all["views"].push_back({{"zenith_deg", result.views[v].zenith_deg},
+                            {"azimuth_deg", result.views[v].azimuth_deg},
+                            {"relative_azimuth_deg", result.views[v].relative_azimuth_deg},
+                            {"brf", told(result.factor[v])}});
+  if (!result.albedo.empty()) all["albedo"] = told(result.albedo);
+  return all;
+}
+
+}  // namespace raycube::run

@@ -1,0 +1,79 @@
+#include "scene_compiler/measure_builder.h"
+
+#include <algorithm>
+#include <set>
+
+#include "scene_compiler/document_values.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+
+/// Name of the instrument whose bands a measure has; empty after reporting.
+std::string banded_instrument(const Record& record, const std::vector<Record>& instruments, Problems& problems) {
+  std::string known;
+  for (const Record& instrument : instruments) known += (known.empty() ? "" : ", ") + instrument.text("name");
+  if (record.given("bands_of")) {
+    const std::string& name = record.text("bands_of");
+    if (std::any_of(instruments.begin(), instruments.end(),
+                    [&](const Record& instrument) { return instrument.text("name") == name; }))
+      return name;
+    problems.add(record.place("bands_of"), "no instrument of that name", "'" + name + "'",
+                 known.empty() ? "add an [[instrument]] with the bands" : "the file has: " + known);
+    return "";
+  }
+  if (instruments.size() == 1) return instruments[0].text("name");
+  problems.add(record.where, "a measure has the bands of an instrument",
+               instruments.empty() ? "the file has none" : "the file has " + known,
+               instruments.empty() ? "add an [[instrument]] with the bands" : "name one in bands_of");
+  return "";
+}
+
+Measure read_measure(const Record& record, const std::vector<Record>& instruments, Problems& problems) {
+  Measure out;
+  out.name = record.text("name");
+  out.bands_of = banded_instrument(record, instruments, problems);
+  std::copy_n(record.numbers("center_m").begin(), 2, out.center_m.begin());
+  std::copy_n(record.numbers("size_m").begin(), 2, out.size_m.begin());
+  if (record.given("height_m")) out.height_m = record.number("height_m");
+  const std::string& views = record.text("views");
+  out.views = views == "principal"    ? MeasureViews::principal
+              : views == "orthogonal" ? MeasureViews::orthogonal
+                                      : MeasureViews::hemisphere;
+  const auto& zenith_deg = record.numbers("zenith_deg");
+  out.first_deg = zenith_deg[0], out.last_deg = zenith_deg[1], out.step_deg = zenith_deg[2];
+  if (!(out.step_deg > 0 && out.last_deg >= out.first_deg))
+    problems.add(record.place("zenith_deg"), "zenith angles go up from the first to the last by a step above 0",
+                 number_text(out.first_deg) + ", " + number_text(out.last_deg) + ", " + number_text(out.step_deg),
+                 "write zenith_deg = [-75, 75, 2]");
+  const char* const other = out.views == MeasureViews::hemisphere ? "zenith_deg" : "directions";
+  if (record.given(other))
+    problems.add(record.place(other), std::string("'") + other + "' means nothing for views = \"" + views + "\"", "",
+                 "remove it");
+  out.directions = static_cast<int>(record.integer("directions"));
+  out.pixels = static_cast<int>(record.integer("pixels"));
+  out.samples = static_cast<int>(record.integer("samples"));
+  out.paths = static_cast<int>(record.integer("paths"));
+  return out;
+}
+
+}  // namespace
+
+std::vector<Measure> read_measures(const Record& root, Problems& problems) {
+  std::vector<Measure> out;
+  std::set<std::string> names;
+  for (const auto& record : root.records("measure")) {
+    const std::string& name = record.text("name");
+    static constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+    if (name.find_first_not_of(kAllowed) != std::string::npos)
+      problems.add(record.place("name"), "a measure's name is a file's", "'" + name + "'",
+                   "use letters, digits, _ and -");
+    if (!names.insert(name).second)
+      problems.add(record.where, "measure '" + name + "' is defined twice", "", "rename one");
+    if (record.sound) out.push_back(read_measure(record, root.records("instrument"), problems));
+  }
+  return out;
+}
+
+}  // namespace raycube::scene

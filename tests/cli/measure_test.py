@@ -1,0 +1,281 @@
+"""`raycube measure`. Oracles: Lambert's law and Fujii's form of Oren and Nayar's, albedo 1 of canopies that absorb
+nothing, reciprocity, and for a layer of leaves a turbid medium's Monte Carlo written here: no geometry, own draws."""
+
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import numpy
+
+from driver import Program
+
+program = Program(sys.argv[1])
+RAMI = pathlib.Path(sys.argv[2]) / "rami/generate.py"
+run, check, refused = program.run, program.check, program.refused
+
+
+def measured(file, *more):
+    folder = file.parent / "out"
+    done = run("measure", file, "-o", folder, "--overwrite", "--json", *more)
+    return {one["measure"]: one for one in json.loads(done.stdout)}
+
+
+PLANE = """format = 1
+atmosphere = { model = "clear_sky" }
+time = { sun = { zenith_deg = 40.0, azimuth_deg = 215.0 } }
+[[material]]
+name = "ground"
+reflectance = 0.3
+MORE
+[[plane]]
+material = "ground"
+size_m = [500.0, 500.0]
+[[instrument]]
+name = "camera"
+kind = "framing"
+altitude_agl_m = 500.0
+gsd_m = 1.0
+pixels = 8
+lines = 8
+bands = { first_nm = 500.0, step_nm = 300.0, count = 2, fwhm_nm = 10.0 }
+[[measure]]
+name = "pp"
+size_m = [20.0, 10.0]
+zenith_deg = [-75, 75, 25]
+[[measure]]
+name = "op"
+views = "orthogonal"
+size_m = [20.0, 10.0]
+zenith_deg = [-60, 60, 30]
+center_m = [30.0, -40.0]
+[[measure]]
+name = "all"
+views = "hemisphere"
+directions = 60
+size_m = [20.0, 10.0]
+"""
+
+
+def direction(zenith_deg, azimuth_deg):
+    zenith, azimuth = math.radians(zenith_deg), math.radians(azimuth_deg)
+    return numpy.array(
+        [math.sin(zenith) * math.sin(azimuth), math.sin(zenith) * math.cos(azimuth), math.cos(zenith)]
+    )
+
+
+def fujii(to_sun, to_viewer, sigma_deg):
+    """pi f of rough matter (Fujii 2012), over its reflectance."""
+    s2 = math.radians(sigma_deg) ** 2
+    a = 1 / (1 + (0.5 - 2 / (3 * math.pi)) * (b := 0.45 * s2 / (s2 + 0.09) / (1 - 0.5 * s2 / (s2 + 0.33))))
+    s = to_sun @ to_viewer - to_sun[2] * to_viewer[2]
+    t = max(to_sun[2], to_viewer[2]) if s > 0 else 1.0
+    return a * (1 + b * s / t)
+
+
+def check_planes(folder):
+    """Level ground: its reflectance in every direction; rough ground: brighter on the sun's side."""
+    file = folder / "plane.toml"
+    file.write_text(PLANE.replace("MORE", ""))
+    found = measured(file)
+    for name in ("pp", "op", "all"):
+        for view in found[name]["views"]:
+            check(numpy.allclose(view["brf"]["mean"], 0.3, rtol=2e-6), name, view)
+            check(max(view["brf"]["multiple"]) == 0)
+    check(numpy.allclose(found["all"]["albedo"]["mean"], 0.3, rtol=2e-6), found["all"]["albedo"])
+    pp = found["pp"]["views"]
+    check([v["zenith_deg"] for v in pp] == [-75, -50, -25, 0, 25, 50, 75], pp)
+    check([v["azimuth_deg"] for v in pp] == [35, 35, 35, 215, 215, 215, 215], pp)
+    check([abs(v["relative_azimuth_deg"]) for v in pp] == [180, 180, 180, 0, 0, 0, 0], pp)
+    check({v["relative_azimuth_deg"] for v in found["op"]["views"]} == {-90, 90}, found["op"])
+    lines = (folder / "out/pp/brfpp_raycube-pp_800nm.mes").read_text().splitlines()
+    check(lines[0] == "   7    5 1.000000" and lines[1].startswith("0.698132 1.308997 "), lines)
+    check(abs(float(lines[1].split()[2])) - math.pi < 1e-5 and lines[1].split()[3:] == ["0.300000", "0.000000"], lines)
+    rows = (folder / "out/op/measure.csv").read_text().splitlines()
+    check(len(rows) == 2 + 5 * 2 and rows[1].startswith("view_zenith_deg,"), rows)
+    file.write_text(PLANE.replace("MORE", "oren_nayar = { sigma_deg = 30.0 }"))
+    found = measured(file)
+    sun = direction(40.0, 215.0)
+    for view in found["pp"]["views"] + found["op"]["views"] + found["all"]["views"]:
+        wanted = 0.3 * fujii(sun, direction(abs(view["zenith_deg"]), view["azimuth_deg"]), 30.0)
+        # The area is seen at angles that differ by 1 / 2000 over it.
+        check(numpy.allclose(view["brf"]["mean"], wanted, rtol=1e-4), view, wanted)
+
+
+def canopy(folder, *arguments, edit=lambda text: text):
+    subprocess.run([sys.executable, RAMI, folder, *map(str, arguments)], check=True, capture_output=True)
+    file = folder / "canopy.toml"
+    file.write_text(edit(file.read_text()))
+    return file
+
+
+def curves(folder, leaf, soil):
+    """One reflectance, transmittance and soil at all wavelengths."""
+    row = lambda *values: ",".join(map(str, values))
+    (folder / "leaf.csv").write_text(
+        "wavelength_nm,reflectance,transmittance\n" + "\n".join(row(nm, *leaf) for nm in (600, 900)) + "\n"
+    )
+    (folder / "soil.csv").write_text(
+        "wavelength_nm,reflectance\n" + "\n".join(row(nm, soil) for nm in (600, 900)) + "\n"
+    )
+
+
+def only(*names):
+    """Leaves the other measures out of a canopy's file."""
+
+    def edit(text):
+        head, *measures = text.split("[[measure]]\n")
+        kept = [m for m in measures if re.match(r'name = "(\w+)"', m)[1] in names]
+        return head + "".join("[[measure]]\n" + m for m in kept)
+
+    return edit
+
+
+SMALL = ("--radius", 0.02, "--height", 2.0, "--cell", 4.0)
+
+
+def check_energy(folder):
+    """Leaves that absorb nothing over white ground give all back; over ground that absorbs, what the ground leaves."""
+    for lai in (1, 3):
+        edit = lambda text: only("albedo")(text).replace('"hemisphere"', '"hemisphere"\ndirections = 24')
+        file = canopy(folder / f"white{lai}", "--lai", lai, *SMALL, edit=edit)
+        curves(file.parent, (0.5, 0.5), 1.0)
+        albedo = measured(file)["albedo"]["albedo"]
+        check(all(e < 0.003 for e in albedo["error"]), albedo)
+        check(all(abs(m - 1) < 4.5 * e + 1e-3 for m, e in zip(albedo["mean"], albedo["error"])), lai, albedo)
+
+
+def leaf_normals(way, rng):
+    """Of leaves of all orientations those that light on each way meets: as often as they face it."""
+    normal, left = numpy.empty_like(way), numpy.arange(len(way))
+    while len(left):
+        drawn = rng.normal(size=(len(left), 3))
+        drawn /= numpy.linalg.norm(drawn, axis=1, keepdims=True)
+        taken = rng.random(len(left)) < numpy.abs((drawn * way[left]).sum(1))
+        normal[left[taken]] = drawn[taken]
+        left = left[~taken]
+    return normal
+
+
+def turbid(lai, leaf, soil, sun_zenith_deg, views, photons, rng):
+    """Reflectance factors and standard errors towards views (unit vectors) of a layer of tiny leaves of all
+    orientations over Lambertian ground: photons by chance, their light told to every view at each collision."""
+    groups = []
+    for _ in range(20):
+        count = photons // 20
+        way = numpy.tile(-direction(sun_zenith_deg, 180.0), (count, 1))
+        depth, weight, seen = numpy.zeros(count), numpy.ones(count), numpy.zeros(len(views))
+        while len(weight):
+            # Leaf area above: half of it in the way of any direction, over its cosine.
+            depth = depth - numpy.log(rng.random(len(weight))) * 2 * -way[:, 2]
+            out, ground = depth < 0, depth >= lai
+            keep = ~out
+            depth, weight, way, ground = depth[keep], weight[keep], way[keep], ground[keep]
+            depth = numpy.minimum(depth, lai)
+            normal = leaf_normals(way, rng)
+            normal[ground] = (0, 0, 1)
+            normal *= -numpy.sign((normal * way).sum(1))[:, None]  # to where the light came from
+            back = numpy.where(ground, soil, leaf[0])
+            through = numpy.where(ground, 0.0, leaf[1])
+            for i, view in enumerate(views):
+                facing = normal @ view
+                sent = numpy.where(facing > 0, back, through) * numpy.abs(facing)
+                seen[i] += (weight * sent * numpy.exp(-0.5 * depth / view[2])).sum() / view[2] / count
+            weight = weight * (back + through)
+            turned = rng.random(len(weight)) * (back + through) < back
+            axis = numpy.where(turned[:, None], normal, -normal)
+            u, v = rng.random((2, len(weight)))
+            beside = numpy.cross(axis, numpy.where(numpy.abs(axis[:, 2:]) < 0.9, [[0.0, 0, 1]], [[1.0, 0, 0]]))
+            beside /= numpy.linalg.norm(beside, axis=1, keepdims=True)
+            r, turn = numpy.sqrt(u)[:, None], 2 * numpy.pi * v[:, None]
+            way = (
+                r * numpy.cos(turn) * beside
+                + r * numpy.sin(turn) * numpy.cross(axis, beside)
+                + numpy.sqrt(1 - u)[:, None] * axis
+            )
+            alive = rng.random(len(weight)) < 0.9  # the others end, these stand for them
+            depth, weight, way = depth[alive], weight[alive] / 0.9, way[alive]
+        groups.append(seen)
+    groups = numpy.array(groups)
+    return groups.mean(0), groups.std(0, ddof=1) / math.sqrt(len(groups))
+
+
+def check_turbid(folder):
+    """A layer of leaves of a hundredth of its depth against one of none: outside the hot spot within 1.5 % (a cell of
+    13 000 leaves' areas shows the ground through chance gaps, 1 % of its light) and 4.5 standard errors."""
+    leaf, soil, sun = (0.4957, 0.4409), 0.159, 30.0
+    edit = lambda text: only("principal", "orthogonal")(text).replace(
+        "height_m = 2.0", "height_m = 2.0\nzenith_deg = [-60, 60, 30]\nsamples = 256\npaths = 128"
+    )
+    file = canopy(folder / "layer", "--lai", 2, *SMALL, "--sun-zenith", sun, edit=edit)
+    found = measured(file)
+    views = [v for name in ("principal", "orthogonal") for v in found[name]["views"] if v["zenith_deg"] != 30 or
+             name == "orthogonal"]
+    ways = [direction(abs(v["zenith_deg"]), v["azimuth_deg"]) for v in views]
+    rng = numpy.random.default_rng(3)
+    for band, matter in ((0, ((0.0546, 0.0149), 0.127)), (1, (leaf, soil))):
+        wanted, error = turbid(2.0, *matter, sun, ways, 400000, rng)
+        for view, mean, sigma in zip(views, wanted, error):
+            ours, own = view["brf"]["mean"][band], view["brf"]["error"][band]
+            print(
+                f"band {band}, view {view['zenith_deg']:4.0f} {view['relative_azimuth_deg']:5.0f}: {ours:.5f} +- "
+                f"{own:.5f}, turbid {mean:.5f} +- {sigma:.5f}"
+            )
+            check(own < 0.005 * ours, view)
+            check(abs(ours - mean) < 4.5 * math.hypot(own, sigma) + 0.015 * mean, view, mean, sigma)
+
+
+def check_reciprocity(folder):
+    """Sun and viewer change places."""
+    found = {}
+    for sun, view in ((20, 60), (60, 20)):
+        edit = lambda text: only("principal")(text).replace(
+            "height_m = 2.0", f"height_m = 2.0\nzenith_deg = [{-view}, {-view}, 1]\nsamples = 256\npaths = 256"
+        )
+        leaves = ("--lai", 3, *SMALL, "--angles", "planophile")
+        file = canopy(folder / f"sun{sun}", *leaves, "--sun-zenith", sun, edit=edit)
+        found[sun] = measured(file)["principal"]["views"][0]["brf"]
+    for band in range(2):
+        (a, da), (b, db) = ((found[s]["mean"][band], found[s]["error"][band]) for s in (20, 60))
+        check(abs(a - b) < 4.5 * math.hypot(da, db) + 1e-5, band, a, da, b, db)
+
+
+def check_refusals(folder):
+    file = folder / "bad.toml"
+    good = PLANE.replace("MORE", "")
+
+    def says(*parts, old, new):
+        check(old in good, old)
+        file.write_text(good.replace(old, new))
+        refused("measure", file, "-o", folder / "bad", status=2, says=parts)
+        check(not (folder / "bad").exists())
+
+    says("zenith angles go up", "75, -75", old="[-75, 75, 25]", new="[75, -75, 25]")
+    says("'directions' means nothing", "principal", old='name = "pp"', new='name = "pp"\ndirections = 20')
+    says("no instrument of that name", "the file has: camera", old='name = "pp"', new='name = "pp"\nbands_of = "cam"')
+    says("is defined twice", "pp", old='name = "op"', new='name = "pp"')
+    says("sun above the horizon", "95", old="zenith_deg = 40.0", new="zenith_deg = 95.0")
+    says("measure 'pp' is of sunlight", "3", old="first_nm = 500.0", new="first_nm = 9000.0")
+    says("a measure's name is a file's", "p/p", old='name = "pp"', new='name = "p/p"')
+    says("no [[measure]]", "add one", old=good[good.index("[[measure]]") :], new="")
+    file.write_text(good)
+    refused("measure", file, "--name", "up", "-o", folder / "bad", status=2, says=("there are: pp, op, all",))
+    run("measure", file, "--name", "pp", "-o", folder / "bad")
+    refused("measure", file, "--name", "pp", "-o", folder / "bad", status=2, says=("is there already", "--overwrite"))
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        check_planes(folder)
+        check_refusals(folder)
+        check_energy(folder)
+        check_reciprocity(folder)
+        check_turbid(folder)
+    print(f"measure: {program.checks} checks")
+
+
+main()
