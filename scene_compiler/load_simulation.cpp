@@ -272,6 +272,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
 
   if (std::any_of(out.lidars.begin(), out.lidars.end(), counts_from_ground))
     out.ground = std::make_shared<const Ground>(parts.terrains);
+  out.cell_m = parts.cell_m;
   out.notices = std::move(parts.notices);
   out.resolved_json = document_json(root);
   if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials), options.trees);

@@ -1,6 +1,7 @@
 #include "scene_compiler/measure_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "scene_compiler/document_values.h"
@@ -9,6 +10,8 @@ namespace raycube::scene {
 namespace {
 
 using base::Problems;
+
+constexpr double kMostViews = 10000;
 
 /// Name of the instrument whose bands a measure has; empty after reporting.
 std::string banded_instrument(const Record& record, const std::vector<Record>& instruments, Problems& problems) {
@@ -47,6 +50,9 @@ Measure read_measure(const Record& record, const std::vector<Record>& instrument
     problems.add(record.place("zenith_deg"), "zenith angles go up from the first to the last by a step above 0",
                  number_text(out.first_deg) + ", " + number_text(out.last_deg) + ", " + number_text(out.step_deg),
                  "write zenith_deg = [-75, 75, 2]");
+  else if (const double count = (out.last_deg - out.first_deg) / out.step_deg + 1; count > kMostViews)
+    problems.add(record.place("zenith_deg"), "more than 10000 views of one measure", number_text(std::floor(count)),
+                 "give a larger step");
   const char* const other = out.views == MeasureViews::hemisphere ? "zenith_deg" : "directions";
   if (record.given(other))
     problems.add(record.place(other), std::string("'") + other + "' means nothing for views = \"" + views + "\"", "",

@@ -74,9 +74,12 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
                       std::vector<std::string>& notices, base::Problems& problems) {
   double worst = 0;
   std::size_t at = 0, coarse = 0;
+  // Terrains' meshes come first; their placements may be repeated.
+  const auto is_terrain = [&](std::size_t i) { return parts.placed[i].mesh < parts.terrains.size(); };
   const auto size_of = [&](std::size_t i) {
-    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) / parts.terrain_refine[i]
-                                     : boxes[i].size_m;
+    const std::size_t mesh = parts.placed[i].mesh;
+    return is_terrain(i) ? std::sqrt(parts.terrains[mesh].cell_area_m2()) / parts.terrain_refine[mesh]
+                         : boxes[i].size_m;
   };
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (boxes[i].empty()) continue;
@@ -94,8 +97,8 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
     return number_text(std::round(0.5 * (static_cast<double>(box.lo[i]) + static_cast<double>(box.hi[i]))));
   };
   const std::string what = "'" + parts.meshes[parts.placed[at].mesh].name + "'";
-  const std::string found = (at < parts.terrains.size() ? "cells of " : "") + number_text(size_of(at)) + " m at " +
-                            place(0) + ", " + place(1) + ", " + place(2) + ", where coordinates are " +
+  const std::string found = (is_terrain(at) ? "cells of " : "") + number_text(size_of(at)) + " m at " + place(0) +
+                            ", " + place(1) + ", " + place(2) + ", where coordinates are " +
                             number_text(spacing_of(box)) + " m apart" +
                             (box.own_spacing_m > spacing_m(box) ? " in its own file" : "");
   const std::string way_out =

@@ -44,6 +44,7 @@ class HeaderCheck {
       for (std::string word; stream >> word;) words.push_back(word);
       if (words.empty() || words[0] == "ply" || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") {
+        data_ = at_;
         check_counts();
         return;
       }
@@ -58,6 +59,9 @@ class HeaderCheck {
     report(line_, "PLY header has no end", std::to_string(text_.size()) + " bytes without end_header",
            "restore the file: it is cut short");
   }
+
+  /// Where the values of a binary file begin; 0: of text, or without an end of the header.
+  std::size_t binary_data() const { return binary_ ? data_ : 0; }
 
  private:
   void report(int line, const std::string& what, const std::string& found, const std::string& way_out) {
@@ -116,9 +120,9 @@ class HeaderCheck {
   }
 
   const std::string& text_;
-  const std::string& file_;
+  const std::string file_;
   base::Problems& problems_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0, data_ = 0;
   int line_ = 0;
   bool binary_ = false;
   std::vector<Element> elements_;
@@ -131,12 +135,12 @@ void check_ply_header(const std::string& text, const std::string& file, base::Pr
 }
 
 std::optional<std::string> ply_for_assimp(const std::string& text) {
-  static constexpr std::string_view kEnd = "\nend_header\n";
-  const std::size_t end = text.find(kEnd);
-  if (!text.starts_with("ply") || end == std::string::npos) return std::nullopt;
-  const std::size_t data = end + kEnd.size();
-  const std::size_t binary = text.find("\nformat binary");
-  if (binary == std::string::npos || binary > end || data >= text.size() || text[data] != '\n') return std::nullopt;
+  base::Problems none;
+  HeaderCheck header(text, "", none);
+  if (text.starts_with("ply")) header.run();
+  const std::size_t data = header.binary_data();
+  if (data == 0 || data >= text.size() || text[data] != '\n' || text.compare(data - 2, 2, "\r\n") == 0)
+    return std::nullopt;
   return text.substr(0, data) + "\n" + text.substr(data);
 }
 

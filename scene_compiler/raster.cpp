@@ -191,7 +191,8 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   }
   if (!has_bands(opened, first_band, count)) {
     problems.add(asked_by, "raster has no such band",
-                 std::to_string(first_band) + " of " + std::to_string(raster.band_count), file);
+                 std::to_string(first_band + std::max(count, 1) - 1) + " of " + std::to_string(raster.band_count),
+                 file);
     return std::nullopt;
   }
   const std::size_t pixels = static_cast<std::size_t>(raster.columns) * static_cast<std::size_t>(raster.rows);

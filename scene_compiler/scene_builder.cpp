@@ -123,7 +123,8 @@ std::vector<std::vector<std::uint32_t>> tree_groups(const SceneParts& parts, Tre
   return alone;
 }
 
-/// [scene] periodic: places everything again beside itself, after the cell itself: what was placed first comes first.
+/// [scene] periodic: places everything again beside itself, thing by thing, so that of two at one place the one that
+/// stands first in the file is seen in every cell.
 void repeat_cell(const Record& root, SceneParts& parts, Problems& problems) {
   const Record* scene = root.table("scene");
   const Record* cell = scene ? scene->table("periodic") : nullptr;
@@ -141,15 +142,17 @@ void repeat_cell(const Record& root, SceneParts& parts, Problems& problems) {
                  number_text(more * static_cast<double>(once.size())), "at most 5e7: give fewer copies");
     return;
   }
-  for (auto i = -copies; i <= copies; ++i)
-    for (auto j = -copies; j <= copies; ++j) {
-      if (i == 0 && j == 0) continue;
-      for (Placed placed : once) {
-        placed.scene_from_mesh[3] += static_cast<double>(i) * cell->number("x_m");
-        placed.scene_from_mesh[7] += static_cast<double>(j) * cell->number("y_m");
+  parts.cell_m = {cell->number("x_m"), cell->number("y_m")};
+  parts.placed.clear();
+  parts.placed.reserve(once.size() * static_cast<std::size_t>((2 * copies + 1) * (2 * copies + 1)));
+  for (const Placed& own : once)
+    for (auto i = -copies; i <= copies; ++i)
+      for (auto j = -copies; j <= copies; ++j) {
+        Placed placed = own;
+        placed.scene_from_mesh[3] += static_cast<double>(i) * parts.cell_m->at(0);
+        placed.scene_from_mesh[7] += static_cast<double>(j) * parts.cell_m->at(1);
         parts.placed.push_back(placed);
       }
-    }
 }
 
 }  // namespace

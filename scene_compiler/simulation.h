@@ -172,6 +172,7 @@ struct Simulation {
   std::vector<Instrument> instruments;
   std::vector<Lidar> lidars;
   std::vector<Measure> measures;
+  std::optional<std::array<double, 2>> cell_m;  ///< of a scene that repeats: width and length
   CompiledScene scene;
   std::shared_ptr<const Ground> ground;  ///< kept where a LIDAR counts heights from it, else null
   std::string resolved_json;             ///< every option with its value after defaults

@@ -16,6 +16,7 @@ namespace {
 
 using base::Problems;
 
+constexpr std::size_t kColoursKnown = 100000;
 /// i modulo n, 0 .. n - 1 for negative i too, of a place in texels.
 std::size_t wrapped(double place, int n) {
   const double turns = std::floor(place / n);
@@ -137,6 +138,17 @@ std::vector<std::uint16_t> nearest_to(Raster image, std::vector<std::vector<doub
   return nearest_members(image.bands, means);
 }
 
+/// Whether values can be what `white` says: an image of 0 to 1 is not one of 0 to 255 in the dark.
+bool has_known_white(const Record& texture, const Raster& image, Problems& problems) {
+  double most = 0;
+  for (const auto& band : image.bands) most = std::max(most, *std::max_element(band.begin(), band.end()));
+  if (texture.given("white") || most > 0.02 * texture.number("white")) return true;
+  problems.add(texture.place("image"), "the image's value of reflectance 1 is not known",
+               "values up to " + number_text(most) + "; a picture's white is 255",
+               "give white, 1 for an image of reflectances");
+  return false;
+}
+
 /// Whether no key is there that the way of choosing has no use for.
 bool asks_for_one_choice(const Record& texture, Problems& problems) {
   const bool nearest = texture.text("choose") == "nearest";
@@ -182,16 +194,21 @@ std::vector<std::uint16_t> nearest_members(const std::vector<std::vector<double>
   std::vector<std::uint16_t> out;
   std::map<std::vector<double>, std::uint16_t> known;  // a picture has fewer colours than texels
   std::vector<double> texel(bands);
-  for (std::size_t t = 0; t < reflectance[0].size(); ++t) {
-    for (std::size_t b = 0; b < bands; ++b) texel[b] = reflectance[b][t];
-    const auto [entry, fresh] = known.emplace(texel, std::uint16_t{0});
+  const auto nearest = [&] {
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t m = 0; fresh && m < members; ++m) {
+    std::uint16_t found = 0;
+    for (std::size_t m = 0; m < members; ++m) {
       double square = 0;
       for (std::size_t b = 0; b < bands; ++b) square += (means[b][m] - texel[b]) * (means[b][m] - texel[b]);
-      if (square < least) least = square, entry->second = static_cast<std::uint16_t>(m);
+      if (square < least) least = square, found = static_cast<std::uint16_t>(m);
     }
-    out.push_back(entry->second);
+    return found;
+  };
+  for (std::size_t t = 0; t < reflectance[0].size(); ++t) {
+    for (std::size_t b = 0; b < bands; ++b) texel[b] = reflectance[b][t];
+    const auto entry = known.find(texel);
+    out.push_back(entry != known.end() ? entry->second : nearest());
+    if (entry == known.end() && known.size() < kColoursKnown) known.emplace(texel, out.back());
   }
   return out;
 }
@@ -221,13 +238,18 @@ std::optional<Texture> read_texture(const Record& texture, const std::vector<Mat
   if (!asks_for_one_choice(texture, problems)) return std::nullopt;
   const auto means = band_means(texture, members, problems);
   if (means.empty()) return std::nullopt;
-  const auto image = read_image(texture, static_cast<int>(means.size()), problems);
+  auto image = read_image(texture, static_cast<int>(means.size()), problems);
   if (!image) return std::nullopt;
   const std::string& choice = texture.text("choose");
-  return Texture(image->columns, image->rows, texture.given("texel_m") ? texture.number("texel_m") : 0,
-                 choice == "nearest" ? nearest_to(*image, means, texture)
-                                     : choose_members(image->bands[0], means[0],
-                                                      choice == "rank" ? TexelChoice::rank : TexelChoice::deviations));
+  const double texel_m = texture.given("texel_m") ? texture.number("texel_m") : 0;
+  if (choice == "nearest") {
+    if (!has_known_white(texture, *image, problems)) return std::nullopt;
+    const int columns = image->columns, rows = image->rows;
+    return Texture(columns, rows, texel_m, nearest_to(std::move(*image), means, texture));
+  }
+  return Texture(
+      image->columns, image->rows, texel_m,
+      choose_members(image->bands[0], means[0], choice == "rank" ? TexelChoice::rank : TexelChoice::deviations));
 }
 
 std::optional<Texture> read_mask(const Record& mask, Problems& problems) {

@@ -7,7 +7,6 @@
 #include "host/base/error.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
-#include "host/run/input_check.h"
 #include "host/run/load_job.h"
 #include "host/run/measure.h"
 
@@ -41,7 +40,8 @@ class MeasureFiles {
     if (measure.views != scene::MeasureViews::hemisphere)
       for (const scene::Band& band : run::measure_bands(simulation, measure)) {
         const std::string plane = measure.views == scene::MeasureViews::principal ? "brfpp" : "brfop",
-                          of = fmt::format("_raycube-{}_{:.6g}nm.mes", measure.name, 1e3 * band.center_um);
+                          of = fmt::format("_raycube-{}_band{}_{:.0f}nm.mes", measure.name, all_.size() + 1,
+                                           1e3 * band.center_um);
         all_.push_back(&files_.add(plane + of)), multiple_.push_back(&files_.add(plane + "_mlt" + of));
       }
     table_ = &files_.add("measure.csv");
@@ -69,12 +69,21 @@ int run(Invocation& invocation, const MeasureRequest& request) {
   for (const scene::Measure& measure : measures) run::check_measure(simulation, measure);
   const render::RenderOptions options = render_options(invocation.common);
   render::Renderer renderer(simulation.scene, options);
+  if (simulation.bounces < scene::kMostChosenBounces)
+    services.log.warning(
+        fmt::format("light between surfaces comes by {} at most after the first, as the file's "
+                    "'bounces' has it; without it by {}",
+                    simulation.bounces, scene::kMostChosenBounces));
   const std::string folder = invocation.common.output.empty() ? "measures" : invocation.common.output;
   nlohmann::ordered_json all = nlohmann::json::array();
-  for (const scene::Measure& measure : measures) {
-    MeasureFiles files(folder + "/" + measure.name, if_exists(invocation.common), simulation, measure);
+  std::vector<std::unique_ptr<MeasureFiles>> files;
+  for (const scene::Measure& measure : measures)
+    files.push_back(
+        std::make_unique<MeasureFiles>(folder + "/" + measure.name, if_exists(invocation.common), simulation, measure));
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    const scene::Measure& measure = measures[i];
     const run::MeasureResult result = run::measure(renderer, options, simulation, measure, services);
-    files.write(measure, result, simulation.sun);
+    files[i]->write(measure, result, simulation.sun);
     all.push_back(run::measure_json(measure, result));
     if (invocation.common.json) continue;
     for (std::size_t b = 0; b < result.albedo.size(); ++b)

@@ -133,7 +133,7 @@ class Rendering {
       tell(run::render_camera(simulation, job, *renderer, settings_, destination_of(instrument.name), services_));
       return;
     }
-    const std::size_t tile_samples = renderer ? renderer->tuning().tile_samples : render::kTileSamples;
+    const std::size_t tile_samples = renderer ? renderer->tuning().tile_samples : render::kCpuTileSamples;
     const auto forecast = run::forecast_camera(simulation.scene, job, settings_, tile_samples);
     std::optional<double> estimated_s;
     if (renderer) estimated_s = run::estimate_render_s(*renderer, simulation, job);

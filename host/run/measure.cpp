@@ -10,8 +10,10 @@
 #include "host/base/units.h"
 #include "host/plan/quadrature.h"
 #include "host/render/replicates.h"
+#include "host/run/air_table.h"
 #include "host/run/camera_job.h"
 #include "scene_compiler/bvh_builder.h"
+#include "scene_compiler/counter_random.h"
 #include "scene_compiler/panels.h"
 
 namespace raycube::run {
@@ -24,9 +26,15 @@ constexpr double kLongest_um = 3.0;  ///< beyond which surfaces at everyday temp
 /// -180 to 180.
 double turned_deg(double deg) { return deg - 360 * std::floor(deg / 360 + 0.5); }
 
+/// RAMI's: of the sun less that of the view, rad, -pi to pi.
+double rami_azimuth_rad(const MeasureView& view, const scene::Sun& sun) {
+  return base::rad_by_division(turned_deg(sun.azimuth_deg - view.azimuth_deg));
+}
+
 MeasureView view_in_plane(double zenith_deg, double plane_azimuth_deg, const scene::Sun& sun) {
   const double azimuth_deg = plane_azimuth_deg + (zenith_deg < 0 ? 180 : 0);
-  return {zenith_deg, azimuth_deg - 360 * std::floor(azimuth_deg / 360), turned_deg(sun.azimuth_deg - azimuth_deg), 0};
+  return {zenith_deg, azimuth_deg - 360 * std::floor(azimuth_deg / 360),
+          std::abs(turned_deg(azimuth_deg - sun.azimuth_deg)), 0};
 }
 
 std::vector<MeasureView> hemisphere_views(int directions, const scene::Sun& sun) {
@@ -46,23 +54,43 @@ std::vector<MeasureView> hemisphere_views(int directions, const scene::Sun& sun)
   return out;
 }
 
-/// A camera far off that sees the area and nothing beside it.
-scene::Instrument camera_of(const scene::Measure& measure, const MeasureView& view, double level_m,
-                            const std::vector<scene::Band>& bands) {
+/// The level that a measure is of, and what of the scene lies above and below it.
+struct Level {
+  double z_m = 0, above_m = 0, below_m = 0;
+};
+Level level_of(const scene::Measure& measure, const scene::CompiledScene& scene) {
+  const double low = double{scene.lo[2]}, high = double{scene.hi[2]}, z = measure.height_m.value_or(high);
+  return {z, std::max(high - z, 0.0), std::max(z - low, 0.0)};
+}
+
+double diagonal_m(const scene::Measure& measure) { return std::hypot(measure.size_m[0], measure.size_m[1]); }
+
+/// To where one looks from, level and upwards.
+struct Way {
+  double east, north, up;
+};
+Way way_of(const MeasureView& view) {
   const double zenith = base::rad_by_division(std::abs(view.zenith_deg)),
                azimuth = base::rad_by_division(view.azimuth_deg);
-  const double far_m = kFar * std::hypot(measure.size_m[0], measure.size_m[1]);
+  return {std::sin(zenith) * std::sin(azimuth), std::sin(zenith) * std::cos(azimuth), std::cos(zenith)};
+}
+
+/// A camera far off, and above all of the scene, that sees the area about a place and nothing beside it.
+scene::Instrument camera_of(const scene::Measure& measure, const MeasureView& view, const Level& level,
+                            const std::array<double, 2>& center_m, const std::vector<scene::Band>& bands) {
+  const Way way = way_of(view);
+  const double far_m = std::max(kFar * diagonal_m(measure), 2 * level.above_m / way.up);
   scene::Instrument out;
   out.name = measure.name;
   out.bands = bands;
   out.pixels = out.lines = measure.pixels;
   out.ifov_across_rad = measure.size_m[0] / far_m / measure.pixels;
-  out.ifov_along_rad = measure.size_m[1] * std::cos(zenith) / far_m / measure.pixels;
+  out.ifov_along_rad = measure.size_m[1] * way.up / far_m / measure.pixels;
   // It stands on the view's side, its nose towards the area: from the vertical it looks ahead by the zenith angle.
   scene::Pose pose{};
-  pose.x_m = measure.center_m[0] + far_m * std::sin(zenith) * std::sin(azimuth);
-  pose.y_m = measure.center_m[1] + far_m * std::sin(zenith) * std::cos(azimuth);
-  pose.z_m = level_m + far_m * std::cos(zenith);
+  pose.x_m = center_m[0] + far_m * way.east;
+  pose.y_m = center_m[1] + far_m * way.north;
+  pose.z_m = level.z_m + far_m * way.up;
   pose.pitch_deg = std::abs(view.zenith_deg);
   pose.heading_deg = view.azimuth_deg + 180;
   out.poses = {pose};
@@ -74,20 +102,31 @@ scene::Instrument camera_of(const scene::Measure& measure, const MeasureView& vi
   return out;
 }
 
-/// Mean radiance of all pixels under each of the draws, [draw][band].
-std::vector<std::vector<double>> batch_means(render::Renderer& renderer, const scene::Instrument& camera,
-                                             const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed) {
-  std::vector<render::PixelDraw> draws;
-  for (int batch = 0; batch < kMeasureBatches; ++batch) draws.push_back({render::replicate_seed(seed, batch), 0});
-  const auto found = renderer.draws_of(camera, plan, sun, draws, {{0, camera.lines, 0, camera.pixels}});
-  const std::size_t bands = camera.bands.size();
-  std::vector<std::vector<double>> out;
-  for (const std::vector<float>& draw : found) {
-    std::vector<double>& mean = out.emplace_back(bands, 0.0);
-    for (std::size_t i = 0; i < draw.size(); ++i) mean[i % bands] += static_cast<double>(draw[i]);
-    for (double& value : mean) value *= static_cast<double>(bands) / static_cast<double>(draw.size());
+/// Middle of the area in a batch: in a scene that repeats elsewhere in its cell each time, along the R2 sequence from a
+/// place by chance, since the area turns with the view and a turned cell would see some of it twice.
+std::array<double, 2> center_of(const scene::Measure& measure, const std::optional<std::array<double, 2>>& cell_m,
+                                std::uint64_t view, int batch) {
+  std::array<double, 2> out = measure.center_m;
+  if (!cell_m) return out;
+  constexpr std::array<double, 2> kSteps{0.7548776662466927, 0.5698402909980532};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double place = scene::counter_uniform(0x3ea5, 0, view, k) + batch * kSteps[k];
+    out[k] += (place - std::floor(place) - 0.5) * (*cell_m)[k];
   }
   return out;
+}
+
+/// Mean radiance of all pixels, [band].
+std::vector<double> mean_radiance(render::Renderer& renderer, const scene::Instrument& camera, const plan::Plan& plan,
+                                  const scene::Sun& sun, std::uint64_t seed) {
+  std::vector<render::Tile> lines;
+  for (int line = 0; line < camera.lines; ++line) lines.push_back({line, 1, 0, camera.pixels});
+  const std::vector<float> found = renderer.draws_of(camera, plan, sun, {{seed, 0}}, lines)[0];
+  const std::size_t bands = camera.bands.size();
+  std::vector<double> mean(bands, 0.0);
+  for (std::size_t i = 0; i < found.size(); ++i) mean[i % bands] += static_cast<double>(found[i]);
+  for (double& value : mean) value *= static_cast<double>(bands) / static_cast<double>(found.size());
+  return mean;
 }
 
 /// A level white plane and nothing else.
@@ -118,10 +157,10 @@ std::vector<double> white_radiance(const render::RenderOptions& options, const s
   panel.sky_directions = 1, panel.sky_directions_given = true;
   scene::Measure small;
   small.name = "panel", small.size_m = {10, 10}, small.pixels = 4, small.samples = 1;
-  const scene::Instrument camera = camera_of(small, {}, 0, bands);
+  const scene::Instrument camera = camera_of(small, {}, {}, {0, 0}, bands);
   render::Renderer renderer(panel.scene, options);
   const CameraJob job = prepare_camera(panel, camera, services);
-  return batch_means(renderer, *job.instrument, job.plan, panel.sun, 1)[0];
+  return mean_radiance(renderer, *job.instrument, job.plan, panel.sun, 1);
 }
 
 Measured measured(const std::vector<double>& batches) {
@@ -160,24 +199,62 @@ const std::vector<scene::Band>& measure_bands(const scene::Simulation& simulatio
   return found->bands;
 }
 
-void check_measure(const scene::Simulation& simulation, const scene::Measure& measure) {
-  if (simulation.sun.moon_phase_deg >= 0 || !(simulation.sun.zenith_deg < 89.9))
-    throw base::Error(
-        base::Fault::input,
-        fmt::format("measure '{}' wants a sun above the horizon (found zenith {} deg{}); give time.sun a "
-                    "zenith_deg below 89.9",
-                    measure.name, simulation.sun.zenith_deg, simulation.sun.moon_phase_deg >= 0 ? ", the moon" : ""));
-  for (const scene::Band& band : measure_bands(simulation, measure))
-    if (band.center_um > kLongest_um)
+namespace {
+
+void check_sun(const scene::Simulation& simulation, const scene::Measure& measure) {
+  if (simulation.sun.moon_phase_deg < 0 && simulation.sun.zenith_deg < 89.9) return;
+  throw base::Error(
+      base::Fault::input,
+      fmt::format(
+          "measure '{}' wants a sun above the horizon (found zenith {} deg{}); give time.sun a zenith_deg below "
+          "89.9",
+          measure.name, simulation.sun.zenith_deg, simulation.sun.moon_phase_deg >= 0 ? ", the moon" : ""));
+}
+
+void check_bands(const scene::Simulation& simulation, const scene::Measure& measure) {
+  const auto& bands = measure_bands(simulation, measure);
+  if (const double last_um = band_range(bands).second; last_um > kLongest_um)
+    throw base::Error(base::Fault::input,
+                      fmt::format("measure '{}' is of sunlight (found bands up to {:g} um of instrument '{}'); name an "
+                                  "instrument of bands up to {:g} um in bands_of",
+                                  measure.name, last_um, measure.bands_of, kLongest_um));
+}
+
+/// Refuses views that look past the scene, where nothing is.
+void check_reach(const scene::Simulation& simulation, const scene::Measure& measure) {
+  const scene::CompiledScene& scene = simulation.scene;
+  const Level level = level_of(measure, scene);
+  for (const MeasureView& view : measure_views(measure, simulation.sun)) {
+    const Way way = way_of(view);
+    const double down = level.below_m / way.up, half = 0.5 * diagonal_m(measure);
+    const std::array<double, 2> beyond{-down * way.east, -down * way.north};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double around = half + (simulation.cell_m ? 0.5 * (*simulation.cell_m)[k] : 0.0);
+      const double low = measure.center_m[k] - around + std::min(0.0, beyond[k]),
+                   high = measure.center_m[k] + around + std::max(0.0, beyond[k]);
+      if (low >= double{scene.lo[k]} && high <= double{scene.hi[k]}) continue;
       throw base::Error(base::Fault::input,
-                        fmt::format("measure '{}' is of sunlight (found a band at {:g} um of instrument '{}'); name an "
-                                    "instrument of bands up to {:g} um in bands_of",
-                                    measure.name, band.center_um, measure.bands_of, kLongest_um));
+                        fmt::format("measure '{}' looks past the scene's edge from {:.1f} deg off the zenith (found {} "
+                                    "from {:g} to {:g} m, the scene from {:g} to {:g} m); {}",
+                                    measure.name, view.zenith_deg, k == 0 ? "x" : "y", low, high, double{scene.lo[k]},
+                                    double{scene.hi[k]},
+                                    simulation.cell_m ? "give scene.periodic more copies"
+                                                      : "give a smaller area, wider ground, or smaller zenith angles"));
+    }
+  }
+}
+
+}  // namespace
+
+void check_measure(const scene::Simulation& simulation, const scene::Measure& measure) {
+  check_sun(simulation, measure);
+  check_bands(simulation, measure);
+  check_reach(simulation, measure);
 }
 
 std::vector<MeasureView> measure_views(const scene::Measure& measure, const scene::Sun& sun) {
   if (measure.views == scene::MeasureViews::hemisphere) return hemisphere_views(measure.directions, sun);
-  const double plane_deg = sun.azimuth_deg + (measure.views == scene::MeasureViews::orthogonal ? 90 : 0);
+  const double plane_deg = sun.azimuth_deg - (measure.views == scene::MeasureViews::orthogonal ? 90 : 0);
   std::vector<MeasureView> out;
   const auto steps = static_cast<int>(std::floor((measure.last_deg - measure.first_deg) / measure.step_deg + 1e-9));
   for (int i = 0; i <= steps; ++i)
@@ -191,30 +268,36 @@ MeasureResult measure(render::Renderer& renderer, const render::RenderOptions& o
   check_measure(simulation, measure);
   simulation.atmosphere = {};
   simulation.atmosphere.none = true;
+  simulation.thermal_below_3um = false;
   simulation.sky_directions = 2 * measure.paths, simulation.sky_directions_given = true;
   simulation.bounces_given = true;
   const std::vector<double> white = white_radiance(options, simulation, bands, services);
-  const double level_m = measure.height_m.value_or(double{simulation.scene.hi[2]});
+  const Level level = level_of(measure, simulation.scene);
 
   MeasureResult out;
   out.views = measure_views(measure, simulation.sun);
   for (const scene::Band& band : bands) out.wavelength_um.push_back(band.center_um);
   // Nothing of a plan without air depends on where one looks from.
-  const CameraJob job = prepare_camera(simulation, camera_of(measure, out.views.front(), level_m, bands), services);
+  const CameraJob job =
+      prepare_camera(simulation, camera_of(measure, out.views.front(), level, measure.center_m, bands), services);
   plan::Plan once = job.plan;
   once.bounces = {};
   Batches sum_all, sum_single;
   const Step step(services, "views of " + measure.name, out.views.size(), "directions");
   for (std::size_t v = 0; v < out.views.size(); ++v) {
-    const scene::Instrument camera = camera_of(measure, out.views[v], level_m, bands);
-    const std::uint64_t seed = simulation.seed + 0x9e3779b97f4a7c15ull * (v + 1);
-    const auto factors = [&](const plan::Plan& plan) {
-      Batches found = batch_means(renderer, camera, plan, simulation.sun, seed);
-      for (auto& batch : found)
-        for (std::size_t b = 0; b < batch.size(); ++b) batch[b] /= white[b];
-      return found;
-    };
-    const Batches all = factors(job.plan), single = job.plan.bounces.any() ? factors(once) : all;
+    Batches all, single;
+    for (int batch = 0; batch < kMeasureBatches; ++batch) {
+      const scene::Instrument camera =
+          camera_of(measure, out.views[v], level, center_of(measure, simulation.cell_m, v, batch), bands);
+      const std::uint64_t seed = render::replicate_seed(simulation.seed + 0x9e3779b97f4a7c15ull * (v + 1), batch);
+      const auto factors = [&](const plan::Plan& plan) {
+        std::vector<double> found = mean_radiance(renderer, camera, plan, simulation.sun, seed);
+        for (std::size_t b = 0; b < found.size(); ++b) found[b] /= white[b];
+        return found;
+      };
+      all.push_back(factors(job.plan));
+      single.push_back(job.plan.bounces.any() ? factors(once) : all.back());
+    }
     auto& view = out.factor.emplace_back();
     for (std::size_t b = 0; b < bands.size(); ++b) view.push_back(factor_of(all, single, b));
     if (measure.views == scene::MeasureViews::hemisphere)
@@ -251,8 +334,8 @@ std::string measure_mes(const MeasureResult& result, const scene::Sun& sun, std:
     const MeasureView& view = result.views[v];
     const Measured& value = result.factor[v][band].*part;
     out += fmt::format("{:.6f} {:.6f} {:.6f} {:.6f} {:.6f}\n", base::rad_by_division(sun.zenith_deg),
-                       base::rad_by_division(std::abs(view.zenith_deg)),
-                       base::rad_by_division(view.relative_azimuth_deg), value.mean, value.error);
+                       base::rad_by_division(std::abs(view.zenith_deg)), rami_azimuth_rad(view, sun), value.mean,
+                       value.error);
   }
   return out;
 }

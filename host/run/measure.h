@@ -16,9 +16,9 @@ inline constexpr int kMeasureBatches = 16;
 
 /// A direction to look from.
 struct MeasureView {
-  double zenith_deg = 0;            ///< in a plane of sight negative on its far side: away from the sun, or on the left
-  double azimuth_deg = 0;           ///< of the place to look from, clockwise from north
-  double relative_azimuth_deg = 0;  ///< of the sun from there, -180 to 180: 0 where the sun stands behind the viewer
+  double zenith_deg = 0;   ///< in a plane of sight negative on its far side: away from the sun, or on its right
+  double azimuth_deg = 0;  ///< of the place to look from, clockwise from north
+  double relative_azimuth_deg = 0;  ///< of that less the sun's, folded to 0..180: 0 where the sun stands behind one
   double weight = 0;                ///< of a hemisphere's: its share of the albedo; all sum to 1
 };
 
@@ -43,16 +43,16 @@ struct MeasureResult {
 /// The bands of its instrument.
 const std::vector<scene::Band>& measure_bands(const scene::Simulation& simulation, const scene::Measure& measure);
 
-/// Throws Error(input): a sun that is down, bands where surfaces shine by themselves.
+/// Throws Error(input): a sun that is down, bands where surfaces shine by themselves, views past the scene's edge.
 void check_measure(const scene::Simulation& simulation, const scene::Measure& measure);
 
 /// Directions of a measure under this sun. Hemisphere: rings at the Gauss-Legendre nodes of sin^2 of the zenith angle,
-/// which weigh the cosine's share of a hemisphere evenly, of directions evenly apart: exact for reflectance factors
-/// that are polynomials in sin^2 of degree twice the rings' number.
+/// which weigh the cosine's share of a hemisphere evenly, of directions evenly apart: n rings are exact for reflectance
+/// factors that go with sin^2 as polynomials of degree 2 n - 1 and with azimuth slower than a ring's directions.
 std::vector<MeasureView> measure_views(const scene::Measure& measure, const scene::Sun& sun);
 
-/// By a camera so far away that its rays are parallel to 3e-4, over the area as seen from there; the renderer's scene
-/// is the simulation's. The air is left out of the simulation. Throws what check_measure does.
+/// By a camera so far away that its rays are parallel to 1 / 2000, over the area as seen from there; the renderer's
+/// scene is the simulation's. The air is left out of the simulation. Throws what check_measure does.
 MeasureResult measure(render::Renderer& renderer, const render::RenderOptions& options, scene::Simulation& simulation,
                       const scene::Measure& measure, Services& services);
 

@@ -89,9 +89,13 @@ def check_planes(folder):
     pp = found["pp"]["views"]
     check([v["zenith_deg"] for v in pp] == [-75, -50, -25, 0, 25, 50, 75], pp)
     check([v["azimuth_deg"] for v in pp] == [35, 35, 35, 215, 215, 215, 215], pp)
-    check([abs(v["relative_azimuth_deg"]) for v in pp] == [180, 180, 180, 0, 0, 0, 0], pp)
-    check({v["relative_azimuth_deg"] for v in found["op"]["views"]} == {-90, 90}, found["op"])
-    lines = (folder / "out/pp/brfpp_raycube-pp_800nm.mes").read_text().splitlines()
+    check([v["relative_azimuth_deg"] for v in pp] == [180, 180, 180, 0, 0, 0, 0], pp)
+    check([v["azimuth_deg"] for v in found["op"]["views"]] == [305, 305, 125, 125, 125], found["op"])
+    check({v["relative_azimuth_deg"] for v in found["op"]["views"]} == {90}, found["op"])
+    # As the exercise's own files have it: the first rows of the orthogonal plane at -pi / 2.
+    lines = (folder / "out/op/brfop_raycube-op_band1_500nm.mes").read_text().splitlines()
+    check([row.split()[2] for row in lines[1:]] == 2 * ["-1.570796"] + 3 * ["1.570796"], lines)
+    lines = (folder / "out/pp/brfpp_raycube-pp_band2_800nm.mes").read_text().splitlines()
     check(lines[0] == "   7    5 1.000000" and lines[1].startswith("0.698132 1.308997 "), lines)
     check(abs(float(lines[1].split()[2])) - math.pi < 1e-5 and lines[1].split()[3:] == ["0.300000", "0.000000"], lines)
     rows = (folder / "out/op/measure.csv").read_text().splitlines()
@@ -229,18 +233,36 @@ def check_turbid(folder):
 
 
 def check_reciprocity(folder):
-    """Sun and viewer change places."""
+    """Sun and viewer change places, over the same leaves."""
     found = {}
-    for sun, view in ((20, 60), (60, 20)):
+    for sun, view, azimuth in ((20, 60, 180), (60, 20, 0)):
         edit = lambda text: only("principal")(text).replace(
             "height_m = 2.0", f"height_m = 2.0\nzenith_deg = [{-view}, {-view}, 1]\nsamples = 256\npaths = 256"
-        )
+        ).replace("azimuth_deg = 180.0", f"azimuth_deg = {azimuth}.0")
         leaves = ("--lai", 3, *SMALL, "--angles", "planophile")
         file = canopy(folder / f"sun{sun}", *leaves, "--sun-zenith", sun, edit=edit)
         found[sun] = measured(file)["principal"]["views"][0]["brf"]
     for band in range(2):
         (a, da), (b, db) = ((found[s]["mean"][band], found[s]["error"][band]) for s in (20, 60))
         check(abs(a - b) < 4.5 * math.hypot(da, db) + 1e-5, band, a, da, b, db)
+
+
+def check_cell(folder):
+    """A cell of two colours, seen from all sides: its area turns with the view, and still the cell's mean comes out. A
+    corner that is another colour weighs as much as its share of the cell, 1 / 16."""
+    file = folder / "cell.toml"
+    corner = '[[plane]]\nmaterial = "corner"\nposition_m = [3.0, 3.0, 0.001]\nsize_m = [2.0, 2.0]\n'
+    text = PLANE.replace("MORE", '[[material]]\nname = "corner"\nreflectance = 0.9').replace("500.0, 500.0", "8.0, 8.0")
+    text = text.replace("[[plane]]", corner + "[[plane]]", 1).replace("20.0, 10.0", "8.0, 8.0")
+    text = text.replace("format = 1", "format = 1\nscene = { periodic = { x_m = 8.0, y_m = 8.0, copies = 8 } }")
+    file.write_text(text)
+    wanted = 0.3 + (0.9 - 0.3) / 16
+    found = measured(file)
+    for view in found["all"]["views"] + found["pp"]["views"]:
+        for mean, error in zip(view["brf"]["mean"], view["brf"]["error"]):
+            check(abs(mean - wanted) < 5 * error + 1e-4 and error < 0.02, view, wanted)
+    albedo = found["all"]["albedo"]
+    check(abs(albedo["mean"][0] - wanted) < 4.5 * albedo["error"][0] + 1e-4 and albedo["error"][0] < 0.001, albedo)
 
 
 def check_refusals(folder):
@@ -260,6 +282,8 @@ def check_refusals(folder):
     says("sun above the horizon", "95", old="zenith_deg = 40.0", new="zenith_deg = 95.0")
     says("measure 'pp' is of sunlight", "3", old="first_nm = 500.0", new="first_nm = 9000.0")
     says("a measure's name is a file's", "p/p", old='name = "pp"', new='name = "p/p"')
+    says("past the scene's edge", "x from -268", old="20.0, 10.0]\nzenith", new="480.0, 240.0]\nzenith")
+    says("more than 10000 views", "150001", old="[-75, 75, 25]", new="[-75, 75, 0.001]")
     says("no [[measure]]", "add one", old=good[good.index("[[measure]]") :], new="")
     file.write_text(good)
     refused("measure", file, "--name", "up", "-o", folder / "bad", status=2, says=("there are: pp, op, all",))
@@ -271,6 +295,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         check_planes(folder)
+        check_cell(folder)
         check_refusals(folder)
         check_energy(folder)
         check_reciprocity(folder)

@@ -298,8 +298,11 @@ def check_refusals(folder, material):
     says("the mask leaves nothing", "values up to 255", old=good, new=head(leaf(", least = 256"), mesh()))
     says("'white' goes with", "nearest", old='"levels.img"', new='"levels.img", white = 1.0')
     says("one band tells", "2 bands", old="[450, 950]", new="[450, 600, 600, 950]")
-    says("no such band", "1", old='"levels.img", band_nm = [450, 950]',
-         new='"levels.img", choose = "nearest", band_nm = [450, 600, 600, 950]')
+    more = 'choose = "nearest", '
+    two = more + "band_nm = [450, 600, 600, 950]"
+    says("no such band", "2 of 1", old='"levels.img", band_nm = [450, 950]', new='"levels.img", ' + two)
+    float_image(folder / "share.img", numpy.full((2, 2), 0.3))
+    says("reflectance 1 is not known", "up to 0.3", old='"levels.img", ', new='"share.img", ' + more)
     indexed_png(folder / "indexed.png")
     says("numbers of a palette's colours", "-expand", old="levels.img", new="indexed.png")
 
