@@ -103,14 +103,39 @@ bool has_bands(const Opened& opened, int first_band, int count) {
   return count >= 1 && first_band + count - 1 <= opened.band_count;
 }
 
+/// Of a raw file that ends before its header says: what is wrong; else empty. GDAL reads what is missing as zeros (with
+/// RAW_CHECK_FILE_SIZE it refuses files of less than half their size alone).
+std::string cut_short(GDALDatasetH dataset, const std::string& file) {
+  const std::string driver = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+  if (driver != "ENVI" && driver != "EHdr" && driver != "ISCE" && driver != "ROI_PAC") return "";
+  const auto said = [&](const char* key, const char* domain) {
+    const char* const value = GDALGetMetadataItem(dataset, key, domain);
+    return value ? std::atof(value) : 0.0;
+  };
+  if (said("file_compression", "ENVI") != 0) return "";
+  double bits = 0;
+  for (int b = 1; b <= GDALGetRasterCount(dataset); ++b) {
+    const GDALRasterBandH band = GDALGetRasterBand(dataset, b);
+    const char* const fewer = GDALGetMetadataItem(band, "NBITS", "IMAGE_STRUCTURE");
+    bits += fewer ? std::atof(fewer) : GDALGetDataTypeSizeBits(GDALGetRasterDataType(band));
+  }
+  const double needed =
+      std::ceil(bits * GDALGetRasterXSize(dataset) * GDALGetRasterYSize(dataset) / 8) + said("header_offset", "ENVI");
+  std::error_code failed;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(file, failed));
+  if (failed || bytes >= needed) return "";
+  return "the file ends after " + std::to_string(static_cast<std::uint64_t>(bytes)) + " of " +
+         std::to_string(static_cast<std::uint64_t>(needed)) + " bytes";
+}
+
 /// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for
 /// GDAL's word (empty: it could be read), its nodata value and its samples.
 void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
   const QuietGdal quiet;
-  CPLSetConfigOption("RAW_CHECK_FILE_SIZE", "YES");  // else what a truncated raw file lacks is read as zeros
   const Dataset dataset(GDALOpen(file.c_str(), GA_ReadOnly));
-  parcel.text(dataset ? "" : gdal_message());
-  if (!dataset) return;
+  const std::string wrong = dataset ? cut_short(dataset.get(), file) : gdal_message();
+  parcel.text(wrong);
+  if (!wrong.empty()) return;
   Raster raster;
   read_reference(dataset.get(), raster);
   Opened opened{GDALGetRasterXSize(dataset.get()),

@@ -186,12 +186,17 @@ TEST_CASE("bad input: a flood of bad points is cut with a count") {
 
 TEST_CASE("bad input: a raw raster that ends before its header says") {
   const Folder folder;
-  folder.write("dem.img", std::string(50, '\0'));
   folder.write("dem.img.hdr",
                "ENVI\nsamples = 20\nlines = 20\nbands = 1\nheader offset = 0\nfile type = ENVI Standard\n"
                "data type = 4\ninterleave = bsq\nbyte order = 0\n");
   const std::string field = "[[terrain]]\nraster = \"dem.img\"\ncell_m = 1.0\nmaterial = \"grey\"\n";
-  CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + field), "Image file is too small");
+  for (const std::size_t bytes : {50u, 1200u, 1599u}) {
+    folder.write("dem.img", std::string(bytes, '\0'));
+    CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + field),
+               "ends after " + std::to_string(bytes) + " of 1600 bytes");
+  }
+  folder.write("dem.img", std::string(1600, '\0'));
+  CHECK(refusal(folder, std::string(kHead) + kGrey + field).empty());
 }
 
 TEST_CASE("bad input: a plane and a box of a material that is not there, in a file without any") {
