@@ -180,4 +180,11 @@ std::string value_text(const Record& record, std::string_view key) {
 
 std::string document_json(const Record& root) { return record_json(root).dump(2); }
 
+void check_folder_name(const Record& record, const std::string& of, base::Problems& problems) {
+  static constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  const std::string& name = record.text("name");
+  if (name.find_first_not_of(kAllowed) != std::string::npos)
+    problems.add(record.place("name"), of + "'s name is a folder's", "'" + name + "'", "use letters, digits, _ and -");
+}
+
 }  // namespace raycube::scene

@@ -275,10 +275,7 @@ std::vector<Instrument> read_instruments(const Record& root, const SceneParts& p
   std::map<std::string, base::Where> places;
   for (const auto& record : root.records("instrument")) {
     const std::string& name = record.text("name");
-    static constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-    if (name.find_first_not_of(kAllowed) != std::string::npos)
-      problems.add(record.place("name"), "an instrument's name is a folder's", "'" + name + "'",
-                   "use letters, digits, _ and -");
+    check_folder_name(record, "an instrument", problems);
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
       problems.add(record.where, "instrument '" + name + "' is defined twice", "first in " + place->second.text(),
                    "rename one");

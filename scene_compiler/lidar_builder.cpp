@@ -135,9 +135,7 @@ std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, cons
   for (const auto& instrument : root.records("instrument")) places.emplace(instrument.text("name"), instrument.where);
   for (const auto& record : root.records("lidar")) {
     const std::string& name = record.text("name");
-    if (name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") != std::string::npos)
-      problems.add(record.place("name"), "a LIDAR's name is a folder's", "'" + name + "'",
-                   "use letters, digits, _ and -");
+    check_folder_name(record, "a LIDAR", problems);
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
       problems.add(record.where, "the name '" + name + "' is taken", "first in " + place->second.text(), "rename one");
     out.push_back(read_lidar(record, parts, box, has_sun, {name, notices, problems}));

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "scene_compiler/document_values.h"
 
@@ -68,15 +68,13 @@ Measure read_measure(const Record& record, const std::vector<Record>& instrument
 
 std::vector<Measure> read_measures(const Record& root, Problems& problems) {
   std::vector<Measure> out;
-  std::set<std::string> names;
+  std::map<std::string, base::Where> places;
   for (const auto& record : root.records("measure")) {
     const std::string& name = record.text("name");
-    static constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-    if (name.find_first_not_of(kAllowed) != std::string::npos)
-      problems.add(record.place("name"), "a measure's name is a file's", "'" + name + "'",
-                   "use letters, digits, _ and -");
-    if (!names.insert(name).second)
-      problems.add(record.where, "measure '" + name + "' is defined twice", "", "rename one");
+    check_folder_name(record, "a measure", problems);
+    if (const auto [place, fresh] = places.emplace(name, record.where); !fresh)
+      problems.add(record.where, "measure '" + name + "' is defined twice", "first in " + place->second.text(),
+                   "rename one");
     if (record.sound) out.push_back(read_measure(record, root.records("instrument"), problems));
   }
   return out;

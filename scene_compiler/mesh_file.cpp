@@ -187,7 +187,8 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   const std::size_t before = problems.lines().size();
   const auto text = read_whole_file(file, asked_by, problems);
   if (!text) return std::nullopt;
-  if (lower_case(std::filesystem::path(file).extension().string()) == ".obj") check_obj_text(*text, file, problems);
+  const bool obj = lower_case(std::filesystem::path(file).extension().string()) == ".obj";
+  if (obj) check_obj_text(*text, file, problems);
   if (text->starts_with("ply")) check_ply_header(*text, file, problems);
   if (problems.lines().size() != before) return std::nullopt;
 
@@ -215,6 +216,8 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
     reader.add_mesh(part);
   }
   if (problems.lines().size() != before) return std::nullopt;
+  if (obj && !sound_obj_places(*text))
+    for (auto& place : reader.out.in_image) place.fill(std::numeric_limits<float>::quiet_NaN());
   if (reader.out.mesh.triangles.empty()) {
     problems.add({file, 0, 0, ""}, "mesh has no faces with area",
                  std::to_string(reader.out.mesh.vertices.size()) + " vertices, " + std::to_string(reader.out.faces) +

@@ -20,7 +20,7 @@ struct MeshPart {
 struct MeshFile {
   TriangleMesh mesh;
   /// Of each vertex its place in images, counted in images from their lower left corner: (1, 1) is the upper right one.
-  /// NaN where the file gives none.
+  /// NaN where the file gives none, of an OBJ everywhere when some are no numbers.
   std::vector<std::array<float, 2>> in_image;
   std::vector<MeshPart> parts;
   std::size_t faces = 0;          ///< polygons in the file
@@ -42,6 +42,10 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
 /// Reports numbers that do not parse and face indices out of range in an OBJ text, by line. Assimp reads past
 /// some of these silently ("3.1+e2" becomes 3.1).
 void check_obj_text(const std::string& text, const std::string& file, base::Problems& problems);
+
+/// Whether every texture coordinate of an OBJ text is a finite number. Assimp reads others as 0; meshes without images
+/// do not need them.
+bool sound_obj_places(const std::string& text);
 
 /// Reports a PLY header that is cut short, misspelt, or counts more elements than the file has bytes for, by
 /// line. Assimp runs in a circle on the first and takes memory for the last.

@@ -144,7 +144,8 @@ bool lay_by_coordinates(const Record& record, const MaterialTable& materials, Me
     }
     const auto corners = image_corners(file, t);
     if (!corners) {
-      problems.add(record.place("file"), "a material's image lies by texture coordinates, and faces have none",
+      problems.add(record.place("file"),
+                   "a material's image lies by texture coordinates, and faces have none that are numbers",
                    "face " + std::to_string(file.mesh.user_face[t]) + " of " + record.text("file"),
                    images.mask != nullptr ? "unwrap the mesh, or use a material without a mask for these faces"
                                           : "unwrap the mesh, or give the texture a texel_m");

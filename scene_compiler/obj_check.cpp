@@ -106,4 +106,18 @@ void check_obj_text(const std::string& text, const std::string& file, Problems& 
   }
 }
 
+bool sound_obj_places(const std::string& text) {
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream words(line);
+    std::string kind, word;
+    if (!(words >> kind) || kind != "vt") continue;
+    while (words >> word && word[0] != '#') {
+      const auto number = parse_number(word);
+      if (!number || !std::isfinite(*number)) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace raycube::scene

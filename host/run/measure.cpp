@@ -223,6 +223,10 @@ void check_bands(const scene::Simulation& simulation, const scene::Measure& meas
 /// Refuses views that look past the scene, where nothing is.
 void check_reach(const scene::Simulation& simulation, const scene::Measure& measure) {
   const scene::CompiledScene& scene = simulation.scene;
+  if (scene.instances.empty())
+    throw base::Error(base::Fault::input, fmt::format("measure '{}' has nothing to look at (found an empty scene); add "
+                                                      "[[plane]], [[terrain]] or [[mesh]]",
+                                                      measure.name));
   const Level level = level_of(measure, scene);
   for (const MeasureView& view : measure_views(measure, simulation.sun)) {
     const Way way = way_of(view);

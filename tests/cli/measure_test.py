@@ -247,6 +247,18 @@ def check_reciprocity(folder):
         check(abs(a - b) < 4.5 * math.hypot(da, db) + 1e-5, band, a, da, b, db)
 
 
+def check_area(folder):
+    """An area's own colour and nothing of the ground beside it, from every view: its first side lies across the plane
+    of sight, the other along it, however slantingly one looks."""
+    file = folder / "area.toml"
+    plate = '[[plane]]\nmaterial = "plate"\nposition_m = [3.0, -7.0, 0.0]\nsize_m = [20.04, 10.04]\n'
+    text = PLANE.replace("MORE", '[[material]]\nname = "plate"\nreflectance = 0.9').replace("215.0", "180.0")
+    text = text.replace("[[plane]]", plate + "[[plane]]\nposition_m = [0.0, 0.0, -0.001]", 1)
+    file.write_text(text.replace('name = "pp"', 'name = "pp"\ncenter_m = [3.0, -7.0]\nheight_m = 0.0'))
+    for view in measured(file, "--name", "pp")["pp"]["views"]:
+        check(numpy.allclose(view["brf"]["mean"], 0.9, rtol=2e-6), view)
+
+
 def check_cell(folder):
     """A cell of two colours, seen from all sides: its area turns with the view, and still the cell's mean comes out. A
     corner that is another colour weighs as much as its share of the cell, 1 / 16."""
@@ -281,9 +293,11 @@ def check_refusals(folder):
     says("is defined twice", "pp", old='name = "op"', new='name = "pp"')
     says("sun above the horizon", "95", old="zenith_deg = 40.0", new="zenith_deg = 95.0")
     says("measure 'pp' is of sunlight", "3", old="first_nm = 500.0", new="first_nm = 9000.0")
-    says("a measure's name is a file's", "p/p", old='name = "pp"', new='name = "p/p"')
+    says("a measure's name is a folder's", "p/p", old='name = "pp"', new='name = "p/p"')
     says("past the scene's edge", "x from -268", old="20.0, 10.0]\nzenith", new="480.0, 240.0]\nzenith")
     says("more than 10000 views", "150001", old="[-75, 75, 25]", new="[-75, 75, 0.001]")
+    things = good[good.index("[[plane]]") : good.index("[[instrument]]")]
+    says("nothing to look at", "an empty scene", old=things, new="")
     says("no [[measure]]", "add one", old=good[good.index("[[measure]]") :], new="")
     file.write_text(good)
     refused("measure", file, "--name", "up", "-o", folder / "bad", status=2, says=("there are: pp, op, all",))
@@ -295,6 +309,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         check_planes(folder)
+        check_area(folder)
         check_cell(folder)
         check_refusals(folder)
         check_energy(folder)

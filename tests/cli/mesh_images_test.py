@@ -279,6 +279,7 @@ def indexed_png(path):
 def check_refusals(folder, material):
     good = head(material, mesh())
     obj(folder / "card.obj", square(), [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    (folder / "odd.obj").write_text((folder / "card.obj").read_text().replace("vt 1.0 1.0", "vt nan 1.0"))
     (folder / "bare.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     obj(folder / "far.obj", square(), [(0.0, 0.0), (1e5, 0.0), (1e5, 1e5), (0.0, 1e5)])
 
@@ -289,6 +290,7 @@ def check_refusals(folder, material):
 
     leaf = lambda more: '[[material]]\nname = "paint"\nreflectance = 0.2\nmask = { image = "leaf.png"' + more + " }\n"
     says("faces have none", "face 0 of", "texel_m", old="card.obj", new="bare.obj")
+    says("faces have none that are numbers", "odd.obj", old="card.obj", new="odd.obj")
     says("faces have none", "without a mask", old=good, new=head(leaf(""), mesh("bare.obj")))
     says("more than 4e7 texels", "coarser", old="card.obj", new="far.obj")
     plane = GROUND.replace("grey", "paint")
