@@ -1,5 +1,6 @@
-"""`raycube measure`. Oracles: Lambert's law and Fujii's form of Oren and Nayar's, albedo 1 of canopies that absorb
-nothing, reciprocity, and for a layer of leaves a turbid medium's Monte Carlo written here: no geometry, own draws."""
+"""`raycube measure` (LIGHT 5). Oracles: Lambert's law and Fujii's form of Oren and Nayar's, albedo 1 of canopies that
+absorb nothing, reciprocity, and for a layer of leaves a turbid medium's Monte Carlo written here: no geometry, own
+draws."""
 
 import json
 import math

@@ -16,7 +16,7 @@ ROW = re.compile(r"^\| ([A-Z][^|]*?) \| (.*) \| (.*) \|$", re.M)
 OTHER_THINGS = {"host/base/sha256.cpp", "atmos_tables/optics/mie_angles.cpp", "atmos_tables/optics/mie_angles.h"}
 NUMBER = re.compile(
     r"(?<![\w.-])(?:(?P<plain>S[1-9]\d?(?:\.\d+)?|[AL]-\d\d)(?![\w-])"
-    r"|(?P<book>AIR|DESIGN|LIDAR|REQUIREMENTS|PERFORMANCE)(?:\.md)?(?: sections?)? "
+    r"|(?P<book>AIR|DESIGN|LIDAR|LIGHT|REQUIREMENTS|PERFORMANCE)(?:\.md)?(?: sections?)? "
     r"(?P<chapter>\d+[ab]?(?:\.\d+)?)(?![\w-])(?: and (?P<second>\d+[ab]?)(?![\w-]))?)"
 )
 INVARIANT = re.compile(r"(?<![\w.-])I[1-8](?![\w.-])")
