@@ -180,10 +180,23 @@ std::string value_text(const Record& record, std::string_view key) {
 
 std::string document_json(const Record& root) { return record_json(root).dump(2); }
 
-void check_folder_name(const Record& record, const std::string& of, base::Problems& problems) {
+namespace {
+
+bool plain_name(const std::string& name) {
   static constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  return name.find_first_not_of(kAllowed) == std::string::npos;
+}
+
+}  // namespace
+
+void check_file_name(const Record& record, const char* key, const std::string& name, base::Problems& problems) {
+  if (!plain_name(name))
+    problems.add(record.place(key), "it becomes the name of a file", "'" + name + "'", "use letters, digits, _ and -");
+}
+
+void check_folder_name(const Record& record, const std::string& of, base::Problems& problems) {
   const std::string& name = record.text("name");
-  if (name.find_first_not_of(kAllowed) != std::string::npos)
+  if (!plain_name(name))
     problems.add(record.place("name"), of + "'s name is a folder's", "'" + name + "'", "use letters, digits, _ and -");
 }
 

@@ -14,7 +14,8 @@ void fill_default(const KeySpec& spec, Value& value);
 /// Defaults of every key of the record's table and of its sub-tables. Missing required keys go to problems
 /// unless null.
 void fill_defaults(Record& record, base::Problems* problems);
-/// Reports a name that no folder can have: what of letters, digits, _ and - is not. of: "an instrument".
+/// Report a name that no folder or file can have: what of letters, digits, _ and - is not. of: "an instrument".
+void check_file_name(const Record& record, const char* key, const std::string& name, base::Problems& problems);
 void check_folder_name(const Record& record, const std::string& of, base::Problems& problems);
 
 }  // namespace raycube::scene

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "scene_compiler/budget_builder.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document.h"
 #include "scene_compiler/document_values.h"
@@ -263,6 +264,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   if (!root.records("instrument").empty() || root.given("time")) out.sun = read_sun(root, parts.origin, problems);
   out.instruments = read_instruments(root, parts, parts.notices, problems);
   out.measures = read_measures(root, problems);
+  out.budgets = read_budgets(root, problems);
   const std::vector<PlacedBox> boxes = placed_boxes(parts);
   check_resolution(parts, boxes, out.file, parts.notices, problems);
   out.lidars = read_lidars(root, parts, box_around(boxes), root.given("time"), parts.notices, problems);
@@ -272,7 +274,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
 
   if (std::any_of(out.lidars.begin(), out.lidars.end(), counts_from_ground))
     out.ground = std::make_shared<const Ground>(parts.terrains);
-  out.cell_m = parts.cell_m;
+  out.cell_m = parts.cell_m, out.cell_copies = parts.cell_copies;
   out.notices = std::move(parts.notices);
   out.resolved_json = document_json(root);
   if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials), options.trees);

@@ -13,26 +13,6 @@ using base::Problems;
 
 constexpr double kMostViews = 10000;
 
-/// Name of the instrument whose bands a measure has; empty after reporting.
-std::string banded_instrument(const Record& record, const std::vector<Record>& instruments, Problems& problems) {
-  std::string known;
-  for (const Record& instrument : instruments) known += (known.empty() ? "" : ", ") + instrument.text("name");
-  if (record.given("bands_of")) {
-    const std::string& name = record.text("bands_of");
-    if (std::any_of(instruments.begin(), instruments.end(),
-                    [&](const Record& instrument) { return instrument.text("name") == name; }))
-      return name;
-    problems.add(record.place("bands_of"), "no instrument of that name", "'" + name + "'",
-                 known.empty() ? "add an [[instrument]] with the bands" : "the file has: " + known);
-    return "";
-  }
-  if (instruments.size() == 1) return instruments[0].text("name");
-  problems.add(record.where, "a measure has the bands of an instrument",
-               instruments.empty() ? "the file has none" : "the file has " + known,
-               instruments.empty() ? "add an [[instrument]] with the bands" : "name one in bands_of");
-  return "";
-}
-
 Measure read_measure(const Record& record, const std::vector<Record>& instruments, Problems& problems) {
   Measure out;
   out.name = record.text("name");
@@ -65,6 +45,25 @@ Measure read_measure(const Record& record, const std::vector<Record>& instrument
 }
 
 }  // namespace
+
+std::string banded_instrument(const Record& record, const std::vector<Record>& instruments, base::Problems& problems) {
+  std::string known;
+  for (const Record& instrument : instruments) known += (known.empty() ? "" : ", ") + instrument.text("name");
+  if (record.given("bands_of")) {
+    const std::string& name = record.text("bands_of");
+    if (std::any_of(instruments.begin(), instruments.end(),
+                    [&](const Record& instrument) { return instrument.text("name") == name; }))
+      return name;
+    problems.add(record.place("bands_of"), "no instrument of that name", "'" + name + "'",
+                 known.empty() ? "add an [[instrument]] with the bands" : "the file has: " + known);
+    return "";
+  }
+  if (instruments.size() == 1) return instruments[0].text("name");
+  problems.add(record.where, "it has the bands of an instrument",
+               instruments.empty() ? "the file has none" : "the file has " + known,
+               instruments.empty() ? "add an [[instrument]] with the bands" : "name one in bands_of");
+  return "";
+}
 
 std::vector<Measure> read_measures(const Record& root, Problems& problems) {
   std::vector<Measure> out;

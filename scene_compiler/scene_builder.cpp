@@ -143,6 +143,7 @@ void repeat_cell(const Record& root, SceneParts& parts, Problems& problems) {
     return;
   }
   parts.cell_m = {cell->number("x_m"), cell->number("y_m")};
+  parts.cell_copies = static_cast<int>(copies);
   parts.placed.clear();
   parts.placed.reserve(once.size() * static_cast<std::size_t>((2 * copies + 1) * (2 * copies + 1)));
   for (const Placed& own : once)

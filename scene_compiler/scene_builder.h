@@ -30,6 +30,7 @@ struct SceneParts {
   std::vector<Volume> volumes;
   std::vector<TerrainGrid> terrains;
   std::optional<std::array<double, 2>> cell_m;  ///< of a scene that repeats: width and length
+  int cell_copies = 0;                          ///< of it to each of its four sides
   bool terrains_whole = true;  ///< false: one could not be read and has been reported; heights say nothing
   std::vector<std::vector<int>> terrain_classes;  ///< class of each cell; empty without class map
   std::vector<int> terrain_refine;                ///< into how many along each side its triangles cut a cell

@@ -90,6 +90,21 @@ struct Measure {
   int pixels = 0, samples = 0, paths = 0;            ///< along a side; of a pixel in a batch
 };
 
+/// Where the light goes that falls onto a level area (host/run/light_budget.h).
+struct LightBudget {
+  std::string name;
+  std::string bands_of;  ///< instrument
+  bool isotropic = false;
+  std::array<double, 2> center_m{};
+  std::optional<std::array<double, 2>> size_m;  ///< none: the cell that repeats
+  std::optional<double> height_m;               ///< of the level; none: the scene's highest point
+  std::vector<std::string> ground;              ///< materials
+  bool par = false;                             ///< photosynthetically active light is a band more
+  std::vector<double> levels_m;
+  std::vector<std::string> facets;  ///< meshes
+  std::uint64_t photons = 0;
+};
+
 /// Where the sun is. Towards the sun, seen from the scene origin.
 /// The light in the sky: the sun, or the moon in its place.
 struct Sun {
@@ -172,7 +187,9 @@ struct Simulation {
   std::vector<Instrument> instruments;
   std::vector<Lidar> lidars;
   std::vector<Measure> measures;
+  std::vector<LightBudget> budgets;
   std::optional<std::array<double, 2>> cell_m;  ///< of a scene that repeats: width and length
+  int cell_copies = 0;                          ///< of it to each of its four sides
   CompiledScene scene;
   std::shared_ptr<const Ground> ground;  ///< kept where a LIDAR counts heights from it, else null
   std::string resolved_json;             ///< every option with its value after defaults

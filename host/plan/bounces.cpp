@@ -349,25 +349,6 @@ void find_ground(Bounces& out, const Plan& plan, const Parts& parts) {
   }
 }
 
-/// Curves at the skeleton's wavelengths, [curve - 1][padded]; of materials that no triangle carries, zero.
-void sample_skeleton(Bounces& out, const Plan& plan, const scene::CompiledScene& scene) {
-  const std::size_t padded = RC_PADDED(out.skeleton.size());
-  std::vector<double> at_um;
-  for (const std::size_t i : out.skeleton) at_um.push_back(plan.wavelength_um[i]);
-  out.curve.assign(scene::curve_count(scene) * padded, 0.0f);
-  const auto sample = [&](const scene::Material& material, std::uint32_t curve) {
-    for (std::size_t m = 0; m < at_um.size(); ++m)
-      out.curve[(curve - 1) * padded + m] =
-          static_cast<float>(sample_curve(material, scene::curve_of(scene, curve), {at_um[m]}).front());
-  };
-  for (const auto number : scene::used_materials(scene)) {
-    const scene::Material& material = scene.materials[number];
-    sample(material, scene::reflectance_curve(scene, number));
-    if (scene::lets_light_through(material)) sample(material, scene::transmittance_curve(scene, number));
-    if (material.gloss.number != RC_SHAPE_none) sample(material, scene::gloss_curve(scene, number));
-  }
-}
-
 /// Chance p of the near side that makes the largest R^2 / p + T^2 / (1 - p) smallest: what a path carries varies least.
 double near_chance(const std::vector<double>& reflected, const std::vector<double>& through) {
   const double r = *std::max_element(reflected.begin(), reflected.end()),
@@ -384,16 +365,20 @@ double near_chance(const std::vector<double>& reflected, const std::vector<doubl
   return best;
 }
 
-void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
-  const std::size_t padded = RC_PADDED(out.skeleton.size()), count = out.skeleton.size();
+}  // namespace
+
+std::vector<shared::rc_float4> surface_scattering(const scene::CompiledScene& scene, const std::vector<float>& curve,
+                                                  std::size_t count) {
+  const std::size_t padded = RC_PADDED(count);
+  std::vector<shared::rc_float4> out;
   for (const shared::Surface& surface : scene.surfaces) {
     std::vector<double> side[2] = {std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
     scene::for_each_material(surface, [&](std::size_t material, float fraction) {
       for (const std::size_t through : {0u, 1u}) {
-        const auto curve =
+        const auto id =
             through ? scene::transmittance_curve(scene, material) : scene::reflectance_curve(scene, material);
         for (std::size_t m = 0; m < count; ++m)
-          side[through][m] += static_cast<double>(fraction) * static_cast<double>(out.curve[(curve - 1) * padded + m]);
+          side[through][m] += static_cast<double>(fraction) * static_cast<double>(curve[(id - 1) * padded + m]);
       }
     });
     double largest = 0;
@@ -406,11 +391,27 @@ void find_scattering(Bounces& out, const scene::CompiledScene& scene) {
       const double mirrored = gloss.parameter[1] + kGrazing * (1 - gloss.parameter[1]);
       law.z = static_cast<float>(std::clamp(mirrored / (mirrored + largest), kFewest, kMost));
     });
-    out.scattering.push_back(law);
+    out.push_back(law);
   }
+  return out;
 }
 
-}  // namespace
+std::vector<float> sampled_curves(const scene::CompiledScene& scene, const std::vector<double>& at_um) {
+  const std::size_t padded = RC_PADDED(at_um.size());
+  std::vector<float> out(scene::curve_count(scene) * padded, 0.0f);
+  const auto sample = [&](const scene::Material& material, std::uint32_t curve) {
+    for (std::size_t m = 0; m < at_um.size(); ++m)
+      out[(curve - 1) * padded + m] =
+          static_cast<float>(sample_curve(material, scene::curve_of(scene, curve), {at_um[m]}).front());
+  };
+  for (const auto number : scene::used_materials(scene)) {
+    const scene::Material& material = scene.materials[number];
+    sample(material, scene::reflectance_curve(scene, number));
+    if (scene::lets_light_through(material)) sample(material, scene::transmittance_curve(scene, number));
+    if (material.gloss.number != RC_SHAPE_none) sample(material, scene::gloss_curve(scene, number));
+  }
+  return out;
+}
 
 double Bounces::brightest() const {
   double most = 0;
@@ -443,8 +444,10 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
   if (plan.sky.rays == 0) plan.sky.rays = paths;
   sample_shares(plan.bounces, parts);
   find_ground(plan.bounces, plan, parts);
-  sample_skeleton(plan.bounces, plan, scene);
-  find_scattering(plan.bounces, scene);
+  std::vector<double> at_um;
+  for (const std::size_t i : plan.bounces.skeleton) at_um.push_back(plan.wavelength_um[i]);
+  plan.bounces.curve = sampled_curves(scene, at_um);
+  plan.bounces.scattering = surface_scattering(scene, plan.bounces.curve, at_um.size());
 }
 
 }  // namespace raycube::plan

@@ -9,6 +9,13 @@ namespace raycube::plan {
 
 inline constexpr std::string_view kBetweenSurfaces = "light between surfaces: ";  ///< that notices of it begin with
 
+/// Curves of the used materials at some wavelengths, [curve - 1][padded to 16]; of all others zero.
+std::vector<float> sampled_curves(const scene::CompiledScene& scene, const std::vector<double>& at_um);
+
+/// How paths leave every surface, as Bounces::scattering, for such curves at `count` wavelengths.
+std::vector<shared::rc_float4> surface_scattering(const scene::CompiledScene& scene, const std::vector<float>& curve,
+                                                  std::size_t count);
+
 inline constexpr double kMostAmplified = 4;  ///< that the skeleton may make of noise before it is told
 
 /// Fills plan.bounces, and plan.sky.rays by `paths` where no rays go to the sky, for `levels` surfaces after the first;

@@ -163,14 +163,6 @@ std::vector<double> white_radiance(const render::RenderOptions& options, const s
   return mean_radiance(renderer, *job.instrument, job.plan, panel.sun, 1);
 }
 
-Measured measured(const std::vector<double>& batches) {
-  const auto count = static_cast<double>(batches.size());
-  double sum = 0, square = 0;
-  for (const double value : batches) sum += value;
-  for (const double value : batches) square += (value - sum / count) * (value - sum / count);
-  return {sum / count, std::sqrt(square / (count - 1) / count)};
-}
-
 /// Reflectance factors of every batch, [batch][band].
 using Batches = std::vector<std::vector<double>>;
 
@@ -191,34 +183,39 @@ void add(Batches& sum, const Batches& more, double weight) {
 
 }  // namespace
 
-const std::vector<scene::Band>& measure_bands(const scene::Simulation& simulation, const scene::Measure& measure) {
+Measured measured(const std::vector<double>& batches) {
+  const auto count = static_cast<double>(batches.size());
+  double sum = 0, square = 0;
+  for (const double value : batches) sum += value;
+  for (const double value : batches) square += (value - sum / count) * (value - sum / count);
+  return {sum / count, std::sqrt(square / (count - 1) / count)};
+}
+
+const std::vector<scene::Band>& bands_of(const scene::Simulation& simulation, const std::string& instrument) {
   const auto found = std::find_if(simulation.instruments.begin(), simulation.instruments.end(),
-                                  [&](const scene::Instrument& one) { return one.name == measure.bands_of; });
-  if (found == simulation.instruments.end())
-    throw base::Error(base::Fault::bug, "measure '" + measure.name + "' has no instrument");
+                                  [&](const scene::Instrument& one) { return one.name == instrument; });
+  if (found == simulation.instruments.end()) throw base::Error(base::Fault::bug, "no instrument '" + instrument + "'");
   return found->bands;
 }
 
-namespace {
-
-void check_sun(const scene::Simulation& simulation, const scene::Measure& measure) {
+void check_sun(const scene::Simulation& simulation, const std::string& who) {
   if (simulation.sun.moon_phase_deg < 0 && simulation.sun.zenith_deg < 89.9) return;
   throw base::Error(
       base::Fault::input,
-      fmt::format(
-          "measure '{}' wants a sun above the horizon (found zenith {} deg{}); give time.sun a zenith_deg below "
-          "89.9",
-          measure.name, simulation.sun.zenith_deg, simulation.sun.moon_phase_deg >= 0 ? ", the moon" : ""));
+      fmt::format("{} wants a sun above the horizon (found zenith {} deg{}); give time.sun a zenith_deg below "
+                  "89.9",
+                  who, simulation.sun.zenith_deg, simulation.sun.moon_phase_deg >= 0 ? ", the moon" : ""));
 }
 
-void check_bands(const scene::Simulation& simulation, const scene::Measure& measure) {
-  const auto& bands = measure_bands(simulation, measure);
-  if (const double last_um = band_range(bands).second; last_um > kLongest_um)
+void check_sunlit_bands(const scene::Simulation& simulation, const std::string& who, const std::string& instrument) {
+  if (const double last_um = band_range(bands_of(simulation, instrument)).second; last_um > kLongest_um)
     throw base::Error(base::Fault::input,
-                      fmt::format("measure '{}' is of sunlight (found bands up to {:g} um of instrument '{}'); name an "
+                      fmt::format("{} is of sunlight (found bands up to {:g} um of instrument '{}'); name an "
                                   "instrument of bands up to {:g} um in bands_of",
-                                  measure.name, last_um, measure.bands_of, kLongest_um));
+                                  who, last_um, instrument, kLongest_um));
 }
+
+namespace {
 
 /// Refuses views that look past the scene, where nothing is.
 void check_reach(const scene::Simulation& simulation, const scene::Measure& measure) {
@@ -251,8 +248,9 @@ void check_reach(const scene::Simulation& simulation, const scene::Measure& meas
 }  // namespace
 
 void check_measure(const scene::Simulation& simulation, const scene::Measure& measure) {
-  check_sun(simulation, measure);
-  check_bands(simulation, measure);
+  const std::string who = "measure '" + measure.name + "'";
+  check_sun(simulation, who);
+  check_sunlit_bands(simulation, who, measure.bands_of);
   check_reach(simulation, measure);
 }
 
@@ -268,7 +266,7 @@ std::vector<MeasureView> measure_views(const scene::Measure& measure, const scen
 
 MeasureResult measure(render::Renderer& renderer, const render::RenderOptions& options, scene::Simulation& simulation,
                       const scene::Measure& measure, Services& services) {
-  const std::vector<scene::Band> bands = measure_bands(simulation, measure);
+  const std::vector<scene::Band> bands = bands_of(simulation, measure.bands_of);
   check_measure(simulation, measure);
   simulation.atmosphere = {};
   simulation.atmosphere.none = true;

@@ -27,6 +27,9 @@ struct Measured {
   double mean = 0, error = 0;
 };
 
+/// Of batches.
+Measured measured(const std::vector<double>& batches);
+
 /// What an area sends in one direction, or, of a hemisphere, in all: over what an ideal white panel there would send.
 struct ReflectanceFactor {
   Measured all;
@@ -40,8 +43,13 @@ struct MeasureResult {
   std::vector<ReflectanceFactor> albedo;               ///< [band]; of a hemisphere alone
 };
 
-/// The bands of its instrument.
-const std::vector<scene::Band>& measure_bands(const scene::Simulation& simulation, const scene::Measure& measure);
+/// The bands of a measure's or budget's instrument.
+const std::vector<scene::Band>& bands_of(const scene::Simulation& simulation, const std::string& instrument);
+
+/// Throw Error(input) of `who` ("measure 'albedo'"): no sun above the horizon; bands where surfaces shine by
+/// themselves.
+void check_sun(const scene::Simulation& simulation, const std::string& who);
+void check_sunlit_bands(const scene::Simulation& simulation, const std::string& who, const std::string& instrument);
 
 /// Throws Error(input): a sun that is down, bands where surfaces shine by themselves, views past the scene's edge.
 void check_measure(const scene::Simulation& simulation, const scene::Measure& measure);

@@ -6,10 +6,8 @@
 
 #include "kernels/geometry/any_hits16.h"
 #include "kernels/geometry/ray_trace.h"
-#include "kernels/geometry/surface_side.h"
-#include "kernels/light/far_side.h"
+#include "kernels/light/path_ends.h"
 #include "kernels/light/sky_map.h"
-#include "kernels/materials/shapes.h"
 #include "kernels/sampling/sky_rays.h"
 #include "kernels/shared/product_key.h"
 
@@ -28,13 +26,6 @@ typedef struct PathTables {
   uint sun_up, levels, seed;
 } PathTables;
 
-/* Where the paths' rays ended. */
-typedef struct Ends16 {
-  float front[3][16], back[3][16]; /* m, scene frame: off the surface on the side that the ray came from, and beyond */
-  float normal[3][16];             /* unit, to the side that the ray came from */
-  uint instance[16], primitive[16], surface[16];
-} RC_LINE Ends16;
-
 typedef struct Paths16 {
   Rays16 rays;
   float carried[16][RC_SKELETON];
@@ -47,18 +38,6 @@ typedef struct Paths16 {
   uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
   Ends16 ends;
 } RC_LINE Paths16;
-
-static inline void rc_store3(Vector16 v, float to[3][16]) {
-  rc_store16(v.x, 0, to[0]);
-  rc_store16(v.y, 0, to[1]);
-  rc_store16(v.z, 0, to[2]);
-}
-static inline float4 rc_lane_of(float from[3][16], uint k) {
-  return (float4)(from[0][k], from[1][k], from[2][k], 0.0f);
-}
-static inline float4 rc_way_of(const Rays16* rays, uint k) {
-  return (float4)(rays->dx[k], rays->dy[k], rays->dz[k], 0.0f);
-}
 
 /* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried. */
 static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surface, uint side, float factor,
@@ -76,62 +55,13 @@ static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surf
   }
 }
 
-/* How many times Lambert's radiance goes to `out` of light from `in` on the near side. */
-static inline float rc_shape_factor(const PathTables* t, uint surface, float4 normal, float4 in, float4 out) {
-#if RC_SHAPED
-  const Lobe lobe = t->lobes[surface * RC_LOBES];
-  if (lobe.shape != RC_SHAPE_lambert)
-    return rc_shape_eval(lobe.shape, 3.14159265f, lobe.parameter[0], lobe.parameter[1], rc_angles(normal, in, out));
-#endif
-  return 1.0f;
-}
-
 /* number: of the pixel in the image; path: in the pixel. */
 static inline float rc_path_draw(const PathTables* t, uint number, uint path, uint level, uint what) {
   return rc_unit_float(rc_hash(t->seed, number, (path << 8) + level, RC_PATH_DIMENSION + what));
 }
 
-/* The next three are not inlined: made into one function with rc_follow, PoCL 3.1 (LLVM 15) builds a kernel that does
- * not end. Why is not known.
- * Points and normals where the live rays ended; every lane's hit is valid or a copy of one that is. */
-__attribute__((noinline)) static void rc_stand(SceneArrays scene, const PathTables* t, const Rays16* rays, uint live,
-                                               Ends16* ends) {
-  float corner[9][16];
-  uint leaves = 0;
-  const uint first = rc_lowest(live);
-  for (uint k = 0; k < 16u; ++k) {
-    if (!(live >> k & 1u)) ends->instance[k] = ends->instance[first], ends->primitive[k] = ends->primitive[first];
-    const uint primitive = ends->primitive[k];
-    global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
-    for (uint c = 0; c < 9u; ++c) corner[c][k] = at[16u * c];
-    ends->surface[k] = rc_surface_of(scene, primitive);
-    leaves |= rc_is_leaf(t->lobes, ends->surface[k]) ? 1u << k : 0u;
-  }
-  Vector16 v[3];
-  for (uint c = 0; c < 3u; ++c) {
-    v[c].x = rc_load16(0, corner[3u * c]);
-    v[c].y = rc_load16(0, corner[3u * c + 1u]);
-    v[c].z = rc_load16(0, corner[3u * c + 2u]);
-  }
-  const Vector16 origin = {rc_load16(0, rays->x), rc_load16(0, rays->y), rc_load16(0, rays->z)};
-  const Vector16 way = {rc_load16(0, rays->dx), rc_load16(0, rays->dy), rc_load16(0, rays->dz)};
-  const Vector16 backwards = {-way.x, -way.y, -way.z};
-  SurfaceSide16 front, back;
-  rc_clear_side(&front);
-  rc_clear_side(&back);
-  uint left = live;
-  while (left) {
-    const uint instance = ends->instance[rc_lowest(left)];
-    const int16 lanes = rc_load16(0, ends->instance) == instance;
-    left &= ~rc_mask16(lanes);
-    rc_find_side(rc_instance(scene, instance), v, origin, way, lanes, &front);
-    if (rc_mask16(lanes) & leaves) rc_find_side(rc_instance(scene, instance), v, origin, backwards, lanes, &back);
-  }
-  rc_store3(front.position, ends->front);
-  rc_store3(front.normal, ends->normal);
-  rc_store3(back.position, ends->back);
-}
-
+/* The next two, and rc_stand, are not inlined: made into one function with rc_follow, PoCL 3.1 (LLVM 15) builds a
+ * kernel that does not end. Why is not known. */
 /* Sunlight on the ends of the live paths. */
 __attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathTables* t, uint live, Ends16* ends,
                                                   Paths16* paths) {
@@ -152,7 +82,8 @@ __attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathT
     const uint k = of[i];
     float factor = cosine[i];
     if (side[i] == 0u)
-      factor *= rc_shape_factor(t, ends->surface[k], rc_lane_of(ends->normal, k), t->sun, -rc_way_of(&paths->rays, k));
+      factor *=
+          rc_shape_factor(t->lobes, ends->surface[k], rc_lane_of(ends->normal, k), t->sun, -rc_way_of(&paths->rays, k));
     float light[RC_SKELETON];
     rc_carry_on(scene, t, ends->surface[k], side[i], factor, paths->carried[k], light);
     for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = fma(t->source_share[m], light[m], paths->gained[k][m]);
@@ -199,13 +130,10 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
       chance *= goes_on;
       paths->reach[k] /= goes_on;
     }
-    const float4 seen = rc_lane_of(ends->normal, k), normal = through ? -seen : seen;
-    float c, s;
-    float x, y, z;
-    rc_turn(rc_path_draw(t, number, path, level, 3u), &c, &s);
-    rc_about(normal.x, normal.y, normal.z, sqrt(1.0f - rc_path_draw(t, number, path, level, 2u)), c, s, &x, &y, &z);
-    const float4 way = (float4)(x, y, z, 0.0f);
-    const float shaped = through ? 1.0f : rc_shape_factor(t, surface, seen, way, -rc_way_of(&paths->rays, k));
+    float shaped;
+    const float4 way =
+        rc_way_on(t->lobes, surface, through, rc_lane_of(ends->normal, k), rc_way_of(&paths->rays, k),
+                  rc_path_draw(t, number, path, level, 2u), rc_path_draw(t, number, path, level, 3u), &shaped);
     rc_carry_on(scene, t, surface, through ? 1u : 0u, shaped / chance, paths->carried[k], paths->carried[k]);
     rc_put_ray(&paths->rays, k, rc_lane_of(through ? ends->back : ends->front, k), way);
     on |= 1u << k;
@@ -226,7 +154,7 @@ __attribute__((noinline)) static bool rc_meets(SceneArrays scene, Paths16* paths
 static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* paths) {
   uint live = paths->live;
   for (uint level = 1; live; ++level) {
-    rc_stand(scene, t, &paths->rays, live, &paths->ends);
+    rc_stand(scene, t->lobes, &paths->rays, live, &paths->ends);
 #if RC_SUN
     if (t->sun_up) rc_gain_sun(scene, t, live, &paths->ends, paths);
 #endif

@@ -113,7 +113,7 @@ def check_planes(folder):
 def canopy(folder, *arguments, edit=lambda text: text):
     subprocess.run([sys.executable, RAMI, folder, *map(str, arguments)], check=True, capture_output=True)
     file = folder / "canopy.toml"
-    file.write_text(edit(file.read_text()))
+    file.write_text(edit(file.read_text().split("[[budget]]")[0]))
     return file
 
 

@@ -1,0 +1,152 @@
+#include "host/run/photon_ledger.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scene_compiler/matter.h"
+
+namespace raycube::run {
+
+namespace {
+
+constexpr double kEndless_m = std::numeric_limits<double>::infinity();
+
+/// How far above a level light is counted, at least and over the scene's largest coordinate: more than photons are
+/// lifted off surfaces.
+constexpr double kOffSurface_m = 1e-5, kOffSurface = 2e-6;
+
+void add_to(Spectrum& sum, double factor, const Spectrum& more) {
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor * more[i];
+}
+
+/// Height at which a ray leaves the scene's bounds through a side; infinity: it does not.
+double side_height_m(const scene::CompiledScene& scene, const shared::Photon& photon) {
+  const double from[2] = {double{photon.origin.x}, double{photon.origin.y}},
+               way[2] = {double{photon.way.x}, double{photon.way.y}};
+  double nearest = kEndless_m;
+  for (std::size_t k = 0; k < 2; ++k)
+    if (way[k] != 0) nearest = std::min(nearest, (double{way[k] > 0 ? scene.hi[k] : scene.lo[k]} - from[k]) / way[k]);
+  return double{photon.origin.z} + nearest * double{photon.way.z};
+}
+
+}  // namespace
+
+PhotonLedger::PhotonLedger(const PhotonScene& scene)
+    : reflected(scene.wavelengths, 0.0),
+      lost(reflected),
+      unfinished(reflected),
+      ground(reflected),
+      ground_first(reflected),
+      arrived(scene.named, reflected),
+      absorbed(arrived),
+      down(scene.levels.size(), reflected),
+      up(down) {}
+
+void PhotonLedger::add(const PhotonLedger& other) {
+  const auto one = [](Spectrum& sum, const Spectrum& more) { add_to(sum, 1, more); };
+  const auto each = [&](std::vector<Spectrum>& sum, const std::vector<Spectrum>& more) {
+    for (std::size_t k = 0; k < sum.size(); ++k) one(sum[k], more[k]);
+  };
+  one(reflected, other.reflected), one(lost, other.lost), one(unfinished, other.unfinished);
+  one(ground, other.ground), one(ground_first, other.ground_first);
+  each(arrived, other.arrived), each(absorbed, other.absorbed), each(down, other.down), each(up, other.up);
+}
+
+std::vector<double> in_bands(const std::vector<BandWeight>& bands, const Spectrum& value) {
+  std::vector<double> out;
+  for (const BandWeight& band : bands) {
+    double sum = 0;
+    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * value[band.first + i];
+    out.push_back(sum);
+  }
+  return out;
+}
+
+PhotonCount::PhotonCount(const PhotonScene& scene, bool facets)
+    : ledger(scene), scene_(scene), facets_(facets), level_(scene.levels) {
+  double largest_m = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const float bound : {scene.compiled.lo[k], scene.compiled.hi[k]})
+      largest_m = std::max(largest_m, std::abs(double{bound}));
+  for (double& level : level_) level += std::max(kOffSurface_m, kOffSurface * largest_m);
+}
+
+void PhotonCount::start(std::size_t count) {
+  carried_.assign(count, Spectrum(scene_.wavelengths, 1.0));
+  from_z_m_.assign(count, kEndless_m);
+}
+
+void PhotonCount::step(std::vector<shared::Photon>& photons, bool first) {
+  std::size_t kept = 0;
+  deposits.clear();
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    const shared::Photon& photon = photons[i];
+    Spectrum& carried = carried_[i];
+    if (photon.instance == RC_NONE) {
+      leave(photon, from_z_m_[i], carried);
+      continue;
+    }
+    cross(from_z_m_[i], double{photon.met_z}, carried);
+    meet(photon, carried, first);
+    if (photon.survival == 0) continue;
+    go_on(photon, carried);
+    from_z_m_[kept] = double{photon.met_z};
+    if (kept != i) photons[kept] = photon, std::swap(carried_[kept], carried);
+    ++kept;
+  }
+  photons.resize(kept);
+}
+
+void PhotonCount::give_up(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) add_to(ledger.unfinished, 1, carried_[i]);
+}
+
+void PhotonCount::leave(const shared::Photon& photon, double from_z_m, const Spectrum& carried) {
+  // A ray that leaves a scene that repeats by its side would have met the next cells there.
+  const double endless_m = photon.way.z > 0 ? kEndless_m : -kEndless_m,
+               edge_m = scene_.repeats ? side_height_m(scene_.compiled, photon) : endless_m;
+  const bool out = photon.way.z > 0 && edge_m >= double{scene_.compiled.hi[2]};
+  cross(from_z_m, out ? endless_m : edge_m, carried);
+  add_to(out ? ledger.reflected : ledger.lost, 1, carried);
+}
+
+void PhotonCount::cross(double from_m, double to_m, const Spectrum& carried) {
+  for (std::size_t k = 0; k < level_.size(); ++k) {
+    if (from_m >= level_[k] && to_m < level_[k]) add_to(ledger.down[k], 1, carried);
+    if (from_m < level_[k] && to_m >= level_[k]) add_to(ledger.up[k], 1, carried);
+  }
+}
+
+void PhotonCount::meet(const shared::Photon& photon, const Spectrum& carried, bool first) {
+  const std::uint32_t surface = scene::surface_of(scene_.compiled, photon.primitive);
+  const bool shaped = scene_.shaped[surface];
+  kept_.assign(scene_.wavelengths, 0.0);
+  scene::for_each_material(scene_.compiled.surfaces[surface], [&](std::size_t number, float share) {
+    const MaterialLight& material = scene_.material[number];
+    const double fraction = double{share}, factor = double{photon.factor};
+    const Spectrum& leaves = photon.side == RC_NEAR_SIDE ? material.reflected : material.through;
+    Spectrum &arrived = ledger.arrived[material.named], &absorbed = ledger.absorbed[material.named];
+    for (std::size_t i = 0; i < scene_.wavelengths; ++i) {
+      const double light = fraction * carried[i];
+      // Of a shape the light that leaves in the direction that was drawn stands for all that leaves.
+      const double sent = shaped ? factor * leaves[i] : material.reflected[i] + material.through[i];
+      arrived[i] += light, absorbed[i] += light * (1 - sent), kept_[i] += light * (1 - sent);
+    }
+    if (material.ground) add_to(ledger.ground, fraction, carried);
+    if (material.ground && first) add_to(ledger.ground_first, fraction, carried);
+  });
+  if (facets_) deposits.push_back({photon.primitive, in_bands(scene_.band, kept_)});
+}
+
+void PhotonCount::go_on(const shared::Photon& photon, Spectrum& carried) {
+  leaves_.assign(scene_.wavelengths, 0.0);
+  scene::for_each_material(scene::matter_of(scene_.compiled, photon.primitive), [&](std::size_t number, float share) {
+    const MaterialLight& material = scene_.material[number];
+    add_to(leaves_, double{share}, photon.side == RC_NEAR_SIDE ? material.reflected : material.through);
+  });
+  const double factor = double{photon.factor} / double{photon.survival};
+  for (std::size_t i = 0; i < carried.size(); ++i) carried[i] *= factor * leaves_[i];
+}
+
+}  // namespace raycube::run
