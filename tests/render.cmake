@@ -6,6 +6,7 @@ raycube_test(render_gloss SOURCES oracle/render_gloss_test.cpp LIBS raycube_rend
 raycube_test(render_leaves SOURCES oracle/render_leaves_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_bounces SOURCES oracle/render_bounces_test.cpp LIBS raycube_render_support raycube_test_scenes
   LABELS fast)
+raycube_test(photons SOURCES oracle/photons_test.cpp LIBS raycube::run raycube_render_support LABELS fast)
 if(TARGET raycube_reference)
   raycube_test(bounces_reference SOURCES cross/bounces_reference_test.cpp
                LIBS raycube::run raycube_test_scenes raycube_reference raycube_render_support LABELS fast device)

@@ -52,8 +52,8 @@ def birch(rng, hexagons, normals, angles):
 
 
 def conifer(rng):
-    """Stem, branches and needles of one spruce: whorls of branches, and about each bundles of needles of 6 cm by 6 mm, flat
-    on both sides, as broad as twenty needles side by side."""
+    """Stem, branches and needles of one spruce: whorls of branches, and about each bundles of needles of 6 cm by
+    6 mm, flat, as broad as twenty needles side by side."""
     height, base, wide = rng.uniform(15, 20), rng.uniform(1.5, 3.5), rng.uniform(1.5, 2.0)
     whorls, in_whorl = 28, 6
     level = np.repeat(base + (height - base) * (np.arange(whorls) / whorls) ** 0.9, in_whorl)

@@ -1,0 +1,147 @@
+// Photons (LIGHT 5) against closed forms: a leaf spread over wide ground, levels on, between and above the two, and rough
+// ground, whose albedo under a direction is another code's quadrature of its own shape.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "host/plan/bounces.h"
+#include "host/render/photons.h"
+#include "host/run/photon_ledger.h"
+#include "kernels/materials/shapes.h"
+#include "scene_compiler/matter.h"
+#include "tests/support/render_kit.h"
+
+namespace {
+
+using namespace raycube;
+
+const std::vector<double> kAt_um = {0.5, 0.8};
+constexpr int kPhotons = 16000, kBatches = 16;
+
+scene::Curve curve(double first, double second) { return {kAt_um, {first, second}}; }
+
+scene::TriangleMesh wide(double z_m, std::uint32_t surface) {
+  return test::rectangle({-5e4, -5e4, z_m}, {1e5, 0, 0}, {0, 1e5, 0}, surface);
+}
+
+/// What became of photons: means and standard errors of a ledger's numbers.
+struct Followed {
+  std::vector<run::PhotonLedger> batch;
+
+  void check(double want, const std::function<double(const run::PhotonLedger&)>& of) const {
+    double sum = 0, square = 0;
+    for (const run::PhotonLedger& one : batch) {
+      const double share = of(one) / kPhotons;
+      sum += share, square += share * share;
+    }
+    const double mean = sum / kBatches,
+                 error = std::sqrt(std::max(0.0, square / kBatches - mean * mean) / (kBatches - 1));
+    CAPTURE(mean);
+    CAPTURE(error);
+    CAPTURE(want);
+    CHECK(std::abs(mean - want) <= 4.5 * error + 1e-5);
+    CHECK(error < 0.004);
+  }
+};
+
+/// Photons that fall at this angle from the west.
+Followed follow(const scene::CompiledScene& compiled, double zenith_deg, const std::vector<double>& levels_m) {
+  const std::vector<float> curves = plan::sampled_curves(compiled, kAt_um);
+  run::PhotonScene scene{compiled, kAt_um.size(), {}, scene::named_count(compiled), {}, {}, levels_m, false};
+  const auto lobes = scene::surface_lobes(compiled);
+  for (std::size_t m = 0; m < compiled.materials.size(); ++m) {
+    const scene::Material& material = compiled.materials[m];
+    const auto through = material.transmittance.value;
+    scene.material.push_back({material.reflectance.value, through.empty() ? run::Spectrum{0, 0} : through,
+                              static_cast<std::uint32_t>(m), material.name == "ground"});
+  }
+  for (std::size_t s = 0; s < compiled.surfaces.size(); ++s)
+    scene.shaped.push_back(!lobes.empty() && lobes[s * RC_LOBES].shape != RC_SHAPE_lambert);
+  render::PhotonTracer tracer(compiled, {}, plan::surface_scattering(compiled, curves, kAt_um.size()));
+  std::mt19937 places(7);
+  std::uniform_real_distribution<float> within(-50, 50);
+  const float down = std::cos(static_cast<float>(zenith_deg * std::numbers::pi / 180)),
+              east = std::sqrt(1 - down * down);
+  Followed out;
+  for (std::uint32_t batch = 0; batch < kBatches; ++batch) {
+    run::PhotonCount count(scene, false);
+    std::vector<shared::Photon> photons(kPhotons);
+    for (std::uint32_t i = 0; i < kPhotons; ++i) {
+      photons[i].origin = {within(places), within(places), compiled.hi[2] + 1, 1};
+      photons[i].way = {east, 0, -down, 0};
+      photons[i].number = i;
+    }
+    count.start(kPhotons);
+    for (std::uint32_t level = 1; level <= 1000 && !photons.empty(); ++level) {
+      tracer.step(photons, level, batch + 1);
+      count.step(photons, level == 1);
+    }
+    CHECK(photons.empty());
+    out.batch.push_back(count.ledger);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("S24 LIGHT 5: photons between a leaf and the ground are a geometric series at every wavelength") {
+  scene::CompiledScene scene;
+  const auto leaf = test::add_material(scene, "leaf", 0), soil = test::add_material(scene, "ground", 0);
+  scene.materials[0].reflectance = curve(0.1, 0.5), scene.materials[0].transmittance = curve(0.05, 0.4);
+  scene.materials[1].reflectance = curve(0.4, 0.3);
+  test::place(scene, wide(2, leaf));
+  test::place(scene, wide(0, soil));
+  scene::finish_top_tree(scene);
+  const Followed found = follow(scene, 40, {0, 1, 2, 5});
+  const double r[] = {0.1, 0.5}, t[] = {0.05, 0.4}, ground[] = {0.4, 0.3};
+  for (std::size_t i = 0; i < 2; ++i) {
+    CAPTURE(i);
+    const double down = t[i] / (1 - ground[i] * r[i]), up = ground[i] * down;
+    using Ledger = const run::PhotonLedger&;
+    found.check(r[i] + t[i] * up, [&](Ledger l) { return l.reflected[i]; });
+    found.check((1 - r[i] - t[i]) * (1 + up), [&](Ledger l) { return l.absorbed[0][i]; });
+    found.check((1 - ground[i]) * down, [&](Ledger l) { return l.absorbed[1][i]; });
+    found.check(1 + up, [&](Ledger l) { return l.arrived[0][i]; });
+    found.check(down, [&](Ledger l) { return l.ground[i]; });
+    found.check(0, [&](Ledger l) { return l.ground_first[i]; });
+    for (const std::size_t level : {0u, 1u}) {  // on the ground: just above it
+      found.check(down, [&](Ledger l) { return l.down[level][i]; });
+      found.check(up, [&](Ledger l) { return l.up[level][i]; });
+    }
+    for (const std::size_t level : {2u, 3u}) {  // on the leaf, and above all
+      found.check(1, [&](Ledger l) { return l.down[level][i]; });
+      found.check(r[i] + t[i] * up, [&](Ledger l) { return l.up[level][i]; });
+    }
+  }
+}
+
+TEST_CASE("S21 LIGHT 5: rough ground keeps what its shape does not send") {
+  scene::CompiledScene scene;
+  const auto soil = test::add_material(scene, "ground", 0);
+  scene.materials[0].reflectance = curve(0.2, 0.6);
+  scene.materials[0].front = {RC_SHAPE_oren_nayar, {0.7, 0}};
+  test::place(scene, wide(0, soil));
+  scene::finish_top_tree(scene);
+  const Followed found = follow(scene, 75, {});
+  const double zenith = 75 * std::numbers::pi / 180;
+  const RcLocal normal{0, 0, 1}, in{-std::sin(zenith), 0, std::cos(zenith)};
+  double sent = 0;
+  constexpr int kSteps = 400;
+  for (int a = 0; a < kSteps; ++a)
+    for (int b = 0; b < kSteps; ++b) {
+      const double up = std::sqrt((a + 0.5) / kSteps), turn = 2 * std::numbers::pi * (b + 0.5) / kSteps,
+                   flat = std::sqrt(1 - up * up);
+      const RcLocal out{flat * std::cos(turn), flat * std::sin(turn), up};
+      sent +=
+          rc_shape_eval(RC_SHAPE_oren_nayar, std::numbers::pi, 0.7, 0, rc_angles(normal, in, out)) / (kSteps * kSteps);
+    }
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double albedo = (i == 0 ? 0.2 : 0.6) * sent;
+    using Ledger = const run::PhotonLedger&;
+    found.check(albedo, [&](Ledger l) { return l.reflected[i]; });
+    found.check(1 - albedo, [&](Ledger l) { return l.absorbed[0][i]; });
+  }
+}
