@@ -82,18 +82,29 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
   return out;
 }
 
-CameraMatter camera_matter(const CompiledScene& scene) {
-  const auto used = used_materials(scene);
+namespace {
+
+const Material* first_shaped_of(const CompiledScene& scene, const std::vector<std::uint32_t>& used) {
+  for (const auto material : used)
+    if (scene.materials[material].front.number != RC_SHAPE_lambert) return &scene.materials[material];
+  return nullptr;
+}
+
+CameraMatter matter_of_used(const CompiledScene& scene, const std::vector<std::uint32_t>& used) {
   const auto any = [&](auto&& has) {
     return std::any_of(used.begin(), used.end(), [&](std::uint32_t m) { return has(scene.materials[m]); });
   };
   CameraMatter out;
   out.through = any([](const Material& material) { return lets_light_through(material); });
   out.glossy = any([](const Material& material) { return material.gloss.number != RC_SHAPE_none; });
-  out.shaped = out.glossy || first_shaped(scene) != nullptr;
+  out.shaped = out.glossy || first_shaped_of(scene, used) != nullptr;
   out.materials = material_count(scene);
   return out;
 }
+
+}  // namespace
+
+CameraMatter camera_matter(const CompiledScene& scene) { return matter_of_used(scene, used_materials(scene)); }
 
 const Shape* gloss_of(const CompiledScene& scene, std::uint32_t primitive) {
   const Shape* gloss = nullptr;
@@ -136,7 +147,7 @@ std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
   std::vector<std::uint32_t> out;
   const auto used = used_materials(scene);
   for (const auto material : used) out.push_back(reflectance_curve(scene, material));
-  const CameraMatter matter = camera_matter(scene);
+  const CameraMatter matter = matter_of_used(scene, used);
   for (const auto material : used)
     if (matter.through) out.push_back(transmittance_curve(scene, material));
   for (const auto material : used)
@@ -144,10 +155,6 @@ std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
   return out;
 }
 
-const Material* first_shaped(const CompiledScene& scene) {
-  for (const auto material : used_materials(scene))
-    if (scene.materials[material].front.number != RC_SHAPE_lambert) return &scene.materials[material];
-  return nullptr;
-}
+const Material* first_shaped(const CompiledScene& scene) { return first_shaped_of(scene, used_materials(scene)); }
 
 }  // namespace raycube::scene

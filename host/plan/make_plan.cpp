@@ -237,6 +237,7 @@ Plan begin_plan(const scene::Simulation& simulation, const Domain& domain) {
                         static_cast<float>(std::sin(domain.sun_zenith) * std::cos(domain.sun_azimuth)),
                         static_cast<float>(std::cos(domain.sun_zenith))};
   plan.matter = scene::camera_matter(simulation.scene);
+  plan.seen_curves = scene::seen_curves(simulation.scene);
   return plan;
 }
 

@@ -200,6 +200,7 @@ struct Plan {
   int sun_sources = 1;     ///< 0: too dark beside the thermal light to be a source
   int sky_components = 0;  ///< 0..4, of sunlight
   scene::CameraMatter matter;
+  std::vector<std::uint32_t> seen_curves;  ///< scene::seen_curves, which looks through all of the scene
   Thermal thermal;
   NodeAxis height;          ///< target height, m above scene z = 0
   NodeAxis view;            ///< sec(view zenith)

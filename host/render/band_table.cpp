@@ -19,8 +19,8 @@ std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t 
 
 }  // namespace
 
-std::size_t most_rows(const scene::CompiledScene& scene, const plan::Plan& plan) {
-  return scene::seen_curves(scene).size() + plan.environment.nodes() + 1;
+std::size_t most_rows(const plan::Plan& plan) {
+  return plan.seen_curves.size() + plan.environment.nodes() + 1;
 }
 
 BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan,
@@ -31,7 +31,7 @@ BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& sce
       channel_floats_(shape.bands_padded),
       capacity_(rows_that_fit(without(std::min<std::size_t>(bytes, context.device().info().max_alloc_bytes),
                                       plan.bounces.skeleton.size() * row_floats_ * sizeof(float)),
-                              row_floats_ * sizeof(float), most_rows(scene, plan))),
+                              row_floats_ * sizeof(float), most_rows(plan))),
       values_(context, (capacity_ + plan.bounces.skeleton.size()) * row_floats_, cl::Access::read_only, "band table"),
       keys_(context, capacity_, cl::Access::read_only, "keys of the band table"),
       rows_(context, capacity_, cl::Access::read_only, "rows of the band table") {

@@ -15,7 +15,7 @@
 namespace raycube::render {
 
 /// Rows a band table can come to: every material's, the environment nodes', the path's.
-std::size_t most_rows(const scene::CompiledScene& scene, const plan::Plan& plan);
+std::size_t most_rows(const plan::Plan& plan);
 
 class BandTable {
  public:

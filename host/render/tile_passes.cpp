@@ -92,7 +92,7 @@ LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrum
   const std::size_t layers = truth_layer_names(scene, instrument).size();
   out.strip_values = cubes * instrument.bands.size() + layers;
   if (instrument.replicates > 1) out.strip_values += 4 * instrument.bands.size() + 2 * layers;  // sums are doubles
-  out.table_rows = std::min(kFewestRows, most_rows(scene, plan)) + plan.bounces.skeleton.size();
+  out.table_rows = std::min(kFewestRows, most_rows(plan)) + plan.bounces.skeleton.size();
   std::size_t& bytes = out.more_bytes;
   const auto add_parts = [&](const StageShape& shape) {
     if (shape.chunked()) bytes += sensors::kSampleSubsets * shape.row_bytes(row_capacity);

@@ -55,14 +55,14 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
               pixels / setup.shape.pixels_per_group + static_cast<std::size_t>(lines) + 1),
       rows_(setup.context, setup.shape, pixels, row_capacity),
       radiance_(setup.context, pixels * setup.shape.bands_padded, cl::Access::read_write, "radiance of a tile"),
-      all_baked_(table_.capacity() > scene::seen_curves(setup.scene).size() + setup.plan.environment.nodes()),
+      all_baked_(table_.capacity() > setup.plan.seen_curves.size() + setup.plan.environment.nodes()),
       named_(scene::named_materials(setup.scene)),
       term_histogram_(kHistogramBins, 0) {
   for (int subset = 0; errors && setup.shape.chunked() && subset < sensors::kSampleSubsets; ++subset)
     subset_rows_.emplace_back(setup.context, setup.shape, pixels, row_capacity);
   if (all_baked_) {
     std::vector<std::uint64_t> keys;  // others' curves need not cover the bands
-    for (const auto curve : scene::seen_curves(setup.scene)) keys.push_back(rc_key_of(curve));
+    for (const auto curve : setup.plan.seen_curves) keys.push_back(rc_key_of(curve));
     timed("bake", [&] { table_.ensure(keys); });
   }
   statistics_.build_options = trace_stages_.options();

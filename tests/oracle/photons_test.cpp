@@ -1,5 +1,5 @@
-// Photons (LIGHT 5) against closed forms: a leaf spread over wide ground, levels on, between and above the two, and rough
-// ground, whose albedo under a direction is another code's quadrature of its own shape.
+// Photons (LIGHT 5) against closed forms: a leaf spread over wide ground, levels on, between and above the two, and
+// rough ground, whose albedo under a direction is another code's quadrature of its own shape.
 #include <doctest/doctest.h>
 
 #include <cmath>
