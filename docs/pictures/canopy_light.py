@@ -2,7 +2,7 @@
 """Where light goes in layers of leaves and stands of trees: docs/pictures/canopy_light.py RAYCUBE OUT [FOLDER]
 
 Makes layers of leaf area 1, 3 and 5 and the two stands (scenes/rami/generate.py), takes their budgets of sunlight with
-RAYCUBE (a minute on two cores) and writes OUT/canopy_light.png; FOLDER keeps the canopies, build/canopies without it."""
+RAYCUBE (a minute on two cores), writes OUT/canopy_light.png; FOLDER keeps the canopies, build/canopies without it."""
 
 import csv
 import pathlib

@@ -117,7 +117,7 @@ class Source {
       : isotropic_(budget.isotropic), seed_(simulation.seed), sun_(plan.sun_direction) {
     const scene::CompiledScene& scene = simulation.scene;
     const double low = double{scene.lo[2]}, high = double{scene.hi[2]};
-    top_m_ = high + 1e-3 * std::max(high - low, 1.0);
+    top_m_ = high + 1e-3 * std::max(high - low, 1.0) + 1e-5 * std::abs(high);
     level_m_ = budget.height_m.value_or(top_m_);
     size_m_ = budget.size_m ? *budget.size_m : *simulation.cell_m;
     center_m_ = budget.center_m;

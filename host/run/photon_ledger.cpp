@@ -12,9 +12,8 @@ namespace {
 
 constexpr double kEndless_m = std::numeric_limits<double>::infinity();
 
-/// How far above a level light is counted, at least and over the scene's largest coordinate: more than photons are
-/// lifted off surfaces.
-constexpr double kOffSurface_m = 1e-5, kOffSurface = 2e-6;
+/// How far above a level light is counted, at least and over its height: more than single precision rounds.
+constexpr double kOffLevel_m = 1e-6, kOffLevel = 1e-6;
 
 void add_to(Spectrum& sum, double factor, const Spectrum& more) {
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor * more[i];
@@ -65,11 +64,7 @@ std::vector<double> in_bands(const std::vector<BandWeight>& bands, const Spectru
 
 PhotonCount::PhotonCount(const PhotonScene& scene, bool facets)
     : ledger(scene), scene_(scene), facets_(facets), level_(scene.levels) {
-  double largest_m = 0;
-  for (std::size_t k = 0; k < 3; ++k)
-    for (const float bound : {scene.compiled.lo[k], scene.compiled.hi[k]})
-      largest_m = std::max(largest_m, std::abs(double{bound}));
-  for (double& level : level_) level += std::max(kOffSurface_m, kOffSurface * largest_m);
+  for (double& level : level_) level += std::max(kOffLevel_m, kOffLevel * std::abs(level));
 }
 
 void PhotonCount::start(std::size_t count) {

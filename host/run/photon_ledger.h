@@ -81,9 +81,9 @@ class PhotonCount {
 
   const PhotonScene& scene_;
   bool facets_;
-  std::vector<double> level_;  ///< moved off surfaces that lie on them
+  std::vector<double> level_;  ///< above what rounding lifts surfaces on them
   std::vector<Spectrum> carried_;
-  std::vector<double> from_z_m_;  ///< where their segments begin: on the side that light came to
+  std::vector<double> from_z_m_;  ///< where their segments begin: just below the surface
   Spectrum kept_, leaves_;        ///< of one photon, kept for their memory
 };
 

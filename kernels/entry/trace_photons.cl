@@ -29,7 +29,8 @@ static inline void rc_send_on(global const Lobe* lobes, global const float4* sca
   const float4 way =
       rc_way_on(lobes, surface, through, rc_lane_of(ends->normal, k), photon->way,
                 rc_photon_draw(seed, number, level, 2u), rc_photon_draw(seed, number, level, 3u), &shaped);
-  photon->met_z = ends->front[2][k];
+  const float front_z = ends->front[2][k], behind_z = fma(-2.0f * ends->lift[k], ends->normal[2][k], front_z);
+  photon->met_z = fmin(front_z, behind_z);
   photon->origin = rc_lane_of(through ? ends->back : ends->front, k);
   photon->origin.w = reach;
   photon->way = way;

@@ -13,6 +13,7 @@
 typedef struct Ends16 {
   float front[3][16], back[3][16]; /* m, scene frame: off the surface on the side that the ray came from, and beyond */
   float normal[3][16];             /* unit, to the side that the ray came from */
+  float lift[16];                  /* m: that front was moved along the normal, more than rounding can be */
   uint instance[16], primitive[16], surface[16];
 } RC_LINE Ends16;
 
@@ -87,6 +88,7 @@ __attribute__((noinline)) static void rc_stand(SceneArrays scene, global const L
   }
   rc_store3(front.position, ends->front);
   rc_store3(front.normal, ends->normal);
+  rc_store16(front.lift, 0, ends->lift);
   rc_store3(back.position, ends->back);
 }
 

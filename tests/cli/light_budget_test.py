@@ -199,6 +199,27 @@ def check_edges(folder):
     check('absorbed,"ground, dry",500nm,' in (folder / "out/patch/budget.csv").read_text())
 
 
+def check_far_mesh(folder):
+    """Ground far from its mesh's own origin, put back by its placement: on its level all light comes down."""
+    file = folder / "far.toml"
+    corners = "".join(f"v {1000 + x} {1000 + y} 1000\n" for x, y in ((-50, -50), (50, -50), (50, 50), (-50, 50)))
+    (folder / "far.obj").write_text(corners + "f 1 2 3\nf 1 3 4\n")
+    mesh = """[[mesh]]
+name = "far"
+file = "far.obj"
+material = "ground"
+[[instance]]
+mesh = "far"
+position_m = [-1000.0, -1000.0, -1000.0]
+[[instrument]]"""
+    text = FLAT.replace("oren_nayar = { sigma_deg = 40.0 }", "").replace("[[instrument]]", mesh)
+    text = text.replace('[[plane]]\nmaterial = "ground"\nsize_m = [50.0, 50.0]\n', "")
+    file.write_text(text.replace("photons = 640000", 'photons = 16000\nlevels_m = [0.0]\nground = ["ground"]'))
+    found = budgets(file)["patch"]
+    for wanted, quantity, of in ((1, "transmitted", ""), (1, "down", "0"), (0.3, "up", "0")):
+        found.is_near(wanted, quantity, of, floor=1e-12)
+
+
 def check_par(folder):
     """Photons of 0.4 to 0.7 um, by a step from white to black at 0.55 um: the sun as a black body of 5772 K sends
     0.454 of them below it, the extraterrestrial sun is within 0.02 of that."""
@@ -406,6 +427,7 @@ def main():
         check_pile(folder)
         check_rough(folder)
         check_edges(folder)
+        check_far_mesh(folder)
         check_par(folder)
         check_facets(folder)
         check_refusals(folder)
