@@ -60,25 +60,21 @@ scene::Instrument camera_above(const scene::CompiledScene& scene, const std::vec
   return out;
 }
 
-/// Sunlight is the table's, at the only node there is without air.
-std::vector<BandWeight> band_weights(const plan::Plan& plan) {
-  std::vector<BandWeight> out;
-  for (const plan::BandQuadrature& band : plan.bands) {
-    BandWeight& of = out.emplace_back(BandWeight{band.first, band.weight});
-    double sum = 0;
-    for (std::size_t i = 0; i < of.weight.size(); ++i)
-      sum += of.weight[i] *= plan.source_spectrum.front()[band.first + i];
-    for (double& value : of.weight) value /= sum;
-  }
-  return out;
-}
+/// A band under the sun.
+struct SunlitBand {
+  BandWeight weight;
+  double level_w = 0;  ///< irradiance of level ground, W m-2 um-1
+};
 
-/// Irradiance of level ground by the sun, W m-2 um-1.
-double sunlight_w(const plan::Plan& plan, std::size_t band) {
+/// Sunlight is the table's, at the only node there is without air.
+SunlitBand sunlit(const plan::Plan& plan, const plan::BandQuadrature& band) {
+  SunlitBand out{{band.first, band.weight}, 0};
   double sum = 0;
-  const plan::BandQuadrature& b = plan.bands[band];
-  for (std::size_t i = 0; i < b.weight.size(); ++i) sum += b.weight[i] * plan.source_spectrum.front()[b.first + i];
-  return std::numbers::pi * sum * double{plan.sun_direction[2]};
+  for (std::size_t i = 0; i < band.weight.size(); ++i)
+    sum += out.weight.weight[i] *= plan.source_spectrum.front()[band.first + i];
+  for (double& value : out.weight.weight) value /= sum;
+  out.level_w = std::numbers::pi * sum * double{plan.sun_direction[2]};
+  return out;
 }
 
 PhotonScene photon_scene(const scene::Simulation& simulation, const scene::LightBudget& budget,
@@ -89,9 +85,10 @@ PhotonScene photon_scene(const scene::Simulation& simulation, const scene::Light
                   .material = {},
                   .named = scene::named_count(scene),
                   .shaped = {},
-                  .band = band_weights(plan),
+                  .band = {},
                   .levels = budget.levels_m,
                   .repeats = simulation.cell_m.has_value()};
+  for (const plan::BandQuadrature& band : plan.bands) out.band.push_back(sunlit(plan, band).weight);
   const auto named = scene::named_materials(scene);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     const bool ground =
@@ -350,7 +347,7 @@ BudgetResult told(const scene::LightBudget& budget, const std::vector<scene::Ban
   for (std::size_t b = 0; b < bands.size(); ++b) {
     out.wavelength_um.push_back(bands[b].center_um);
     const bool power = !budget.isotropic && !(budget.par && b + 1 == bands.size());
-    out.light_w.push_back(power ? std::optional(sunlight_w(plan, b)) : std::nullopt);
+    out.light_w.push_back(power ? std::optional(sunlit(plan, plan.bands[b]).level_w) : std::nullopt);
   }
   for (std::size_t q = 0; q < asked.size(); ++q) {
     LightShare& share = out.share.emplace_back(LightShare{asked[q].name, asked[q].of, {}});

@@ -61,10 +61,10 @@ static inline float rc_path_draw(const PathTables* t, uint number, uint path, ui
 }
 
 /* The next two, and rc_stand, are not inlined: made into one function with rc_follow, PoCL 3.1 (LLVM 15) builds a
- * kernel that does not end. Why is not known. */
-/* Sunlight on the ends of the live paths. */
-__attribute__((noinline)) static void rc_gain_sun(SceneArrays scene, const PathTables* t, uint live, Ends16* ends,
-                                                  Paths16* paths) {
+ * kernel that does not end. Why is not known.
+ * Sunlight on the ends of the live paths. */
+__attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, const PathTables* t, uint live,
+                                                          Ends16* ends, Paths16* paths) {
   Rays16 rays;
   uint of[16], side[16], count = 0;
   float cosine[16];

@@ -40,18 +40,12 @@ def normals(rng, kind, count):
 
 def hexagons(rng, centers, facing, radius):
     """Corners [leaf][6][3] of hexagons with a disc's area, each turned about its normal by chance."""
-    along = np.cross(facing, np.where(np.abs(facing[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]]))
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    across = np.cross(facing, along)
+    along, across = trees.frame(facing)
     side = radius * np.sqrt(np.pi / (1.5 * np.sqrt(3)))
     turn = rng.uniform(0, 2 * np.pi, (len(centers), 1)) + np.arange(6) * np.pi / 3
     return centers[:, None] + side * (
         np.cos(turn)[..., None] * along[:, None] + np.sin(turn)[..., None] * across[:, None]
     )
-
-
-def hexagon_triangles(corners):
-    return corners[:, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]].reshape(-1, 3, 3)
 
 
 def write_ply(path, triangles):
@@ -137,7 +131,7 @@ def leaves_alone(rng, options):
         corners, cell, top_m = crown(rng, options), CROWN_CELL_M, CROWN_HEIGHT_M + CROWN_RADIUS_M
     else:
         corners, cell, top_m = layer(rng, options), options.cell, options.height
-    write_ply(options.out / "leaves.ply", hexagon_triangles(corners))
+    write_ply(options.out / "leaves.ply", trees.fans(corners))
     placed = scatter("leaves", "crowns.csv") if options.spheres else '[[instance]]\nmesh = "leaves"\n'
     print(f"canopy: {len(corners)} leaves, {options.out / 'canopy.toml'}")
     return head + mesh("leaves", "leaf") + placed, cell, top_m

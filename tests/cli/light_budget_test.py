@@ -12,6 +12,7 @@ import tempfile
 
 import numpy
 from driver import Program
+from photon_steps import leaf_normals, turned_by_cosine
 
 program = Program(sys.argv[1])
 RAMI = pathlib.Path(sys.argv[2]) / "rami/generate.py"
@@ -40,10 +41,20 @@ def budgets(file, *more, folder="out"):
     return {one["budget"]: Budget(one) for one in json.loads(done.stdout) if "budget" in one}
 
 
-PILE = """format = 1
+CAMERA = """[[instrument]]
+name = "camera"
+kind = "framing"
+altitude_agl_m = 50.0
+gsd_m = 0.1
+pixels = 8
+lines = 8
+bands = { first_nm = 500.0, step_nm = 300.0, count = 2, fwhm_nm = 10.0 }
+"""
+
+PILE = f"""format = 1
 SEED
-scene = { periodic = { x_m = 4.0, y_m = 3.0, copies = 60 } }
-time = { sun = { zenith_deg = 40.0, azimuth_deg = 215.0 } }
+scene = {{ periodic = {{ x_m = 4.0, y_m = 3.0, copies = 60 }} }}
+time = {{ sun = {{ zenith_deg = 40.0, azimuth_deg = 215.0 }} }}
 [[material]]
 name = "leaf"
 file = "leaf.csv"
@@ -58,15 +69,7 @@ size_m = [4.0, 3.0]
 [[plane]]
 material = "soil"
 size_m = [4.0, 3.0]
-[[instrument]]
-name = "camera"
-kind = "framing"
-altitude_agl_m = 50.0
-gsd_m = 0.1
-pixels = 8
-lines = 8
-bands = { first_nm = 500.0, step_nm = 300.0, count = 2, fwhm_nm = 10.0 }
-[[budget]]
+{CAMERA}[[budget]]
 name = "sun"
 ground = ["soil"]
 levels_m = [0.0, 1.0, 2.0, 2.6, 3.3, 50.0]
@@ -138,24 +141,16 @@ def check_closing(folder):
     check(abs(albedo["mean"][0] - parts[0][0]) < 4.5 * noise + 2e-4, albedo, parts)
 
 
-FLAT = """format = 1
-time = { sun = { zenith_deg = 40.0, azimuth_deg = 215.0 } }
+FLAT = f"""format = 1
+time = {{ sun = {{ zenith_deg = 40.0, azimuth_deg = 215.0 }} }}
 [[material]]
 name = "ground"
 reflectance = 0.3
-oren_nayar = { sigma_deg = 40.0 }
+oren_nayar = {{ sigma_deg = 40.0 }}
 [[plane]]
 material = "ground"
 size_m = [50.0, 50.0]
-[[instrument]]
-name = "camera"
-kind = "framing"
-altitude_agl_m = 500.0
-gsd_m = 1.0
-pixels = 8
-lines = 8
-bands = { first_nm = 500.0, step_nm = 300.0, count = 2, fwhm_nm = 10.0 }
-[[budget]]
+{CAMERA}[[budget]]
 name = "patch"
 size_m = [10.0, 20.0]
 center_m = [3.0, -4.0]
@@ -299,15 +294,6 @@ def canopy(folder, budget, *arguments):
     return file
 
 
-def turn_by_cosine(axis, rng):
-    u, v = rng.random((2, len(axis)))
-    beside = numpy.cross(axis, numpy.where(numpy.abs(axis[:, 2:]) < 0.9, [[0.0, 0, 1]], [[1.0, 0, 0]]))
-    beside /= numpy.linalg.norm(beside, axis=1, keepdims=True)
-    r, turn = numpy.sqrt(u)[:, None], 2 * numpy.pi * v[:, None]
-    across = numpy.cross(axis, beside)
-    return r * (numpy.cos(turn) * beside + numpy.sin(turn) * across) + numpy.sqrt(1 - u)[:, None] * axis
-
-
 def turbid(lai, leaf, soil, way, rng):
     """Shares reflected, absorbed by leaves, on the ground and coming down half way, of photons that fall in these ways
     onto a layer of tiny leaves of all orientations; in each step a photon leaves what the leaf absorbs."""
@@ -324,18 +310,13 @@ def turbid(lai, leaf, soil, way, rng):
         sums[1] += weight[~out & ~ground].sum() * (1 - sum(leaf))
         keep = ~out
         depth, weight, way, ground = numpy.minimum(depth[keep], lai), weight[keep], way[keep], ground[keep]
-        normal, left = numpy.empty_like(way), numpy.arange(len(way))
-        while len(left):  # leaves are met as often as they face the way
-            drawn = rng.normal(size=(len(left), 3))
-            drawn /= numpy.linalg.norm(drawn, axis=1, keepdims=True)
-            taken = rng.random(len(left)) < numpy.abs((drawn * way[left]).sum(1))
-            normal[left[taken]], left = drawn[taken], left[~taken]
+        normal = leaf_normals(way, rng)
         normal[ground] = (0, 0, 1)
         normal *= -numpy.sign((normal * way).sum(1))[:, None]
         back, through = numpy.where(ground, soil, leaf[0]), numpy.where(ground, 0.0, leaf[1])
         turned = rng.random(len(weight)) * (back + through) < back
         weight = weight * (back + through)
-        way = turn_by_cosine(numpy.where(turned[:, None], normal, -normal), rng)
+        way = turned_by_cosine(numpy.where(turned[:, None], normal, -normal), rng)
         alive = rng.random(len(weight)) < 0.9  # the others end, these stand for them
         depth, weight, way = depth[alive], weight[alive] / 0.9, way[alive]
     return sums / count
@@ -358,7 +339,7 @@ def check_turbid(folder):
         for band, (leaf, soil) in enumerate((((0.0546, 0.0149), 0.127), ((0.4957, 0.4409), 0.159))):
             ways = numpy.tile([math.sin(sun), 0, -math.cos(sun)], (400000, 1))
             if name == "even":
-                ways = turn_by_cosine(numpy.tile([0.0, 0, -1], (400000, 1)), rng)
+                ways = turned_by_cosine(numpy.tile([0.0, 0, -1], (400000, 1)), rng)
             wanted = turbid(2.0, leaf, soil, ways, rng)
             asked = (("reflected", ""), ("canopy", ""), ("transmitted", ""), ("down", "1"))
             ours = [of.of(*q, band) for q in asked]

@@ -13,6 +13,7 @@ import tempfile
 import numpy
 
 from driver import Program
+from photon_steps import leaf_normals, turned_by_cosine
 
 program = Program(sys.argv[1])
 RAMI = pathlib.Path(sys.argv[2]) / "rami/generate.py"
@@ -153,18 +154,6 @@ def check_energy(folder):
         check(all(abs(m - 1) < 4.5 * e + 1e-3 for m, e in zip(albedo["mean"], albedo["error"])), lai, albedo)
 
 
-def leaf_normals(way, rng):
-    """Of leaves of all orientations those that light on each way meets: as often as they face it."""
-    normal, left = numpy.empty_like(way), numpy.arange(len(way))
-    while len(left):
-        drawn = rng.normal(size=(len(left), 3))
-        drawn /= numpy.linalg.norm(drawn, axis=1, keepdims=True)
-        taken = rng.random(len(left)) < numpy.abs((drawn * way[left]).sum(1))
-        normal[left[taken]] = drawn[taken]
-        left = left[~taken]
-    return normal
-
-
 def turbid(lai, leaf, soil, sun_zenith_deg, views, photons, rng):
     """Reflectance factors and standard errors towards views (unit vectors) of a layer of tiny leaves of all
     orientations over Lambertian ground: photons by chance, their light told to every view at each collision."""
@@ -192,15 +181,7 @@ def turbid(lai, leaf, soil, sun_zenith_deg, views, photons, rng):
             weight = weight * (back + through)
             turned = rng.random(len(weight)) * (back + through) < back
             axis = numpy.where(turned[:, None], normal, -normal)
-            u, v = rng.random((2, len(weight)))
-            beside = numpy.cross(axis, numpy.where(numpy.abs(axis[:, 2:]) < 0.9, [[0.0, 0, 1]], [[1.0, 0, 0]]))
-            beside /= numpy.linalg.norm(beside, axis=1, keepdims=True)
-            r, turn = numpy.sqrt(u)[:, None], 2 * numpy.pi * v[:, None]
-            way = (
-                r * numpy.cos(turn) * beside
-                + r * numpy.sin(turn) * numpy.cross(axis, beside)
-                + numpy.sqrt(1 - u)[:, None] * axis
-            )
+            way = turned_by_cosine(axis, rng)
             alive = rng.random(len(weight)) < 0.9  # the others end, these stand for them
             depth, weight, way = depth[alive], weight[alive] / 0.9, way[alive]
         groups.append(seen)

@@ -59,6 +59,10 @@ foreach(packed IN ITEMS
     "rows.cl 0 -DRC_THROUGH=1 -DRC_MATERIALS=7" "rows.cl 1 -DRC_THROUGH=1 -DRC_MATERIALS=7 -DRC_SHAPED=1"
     "trace.cl -DRC_GLOSSY=1 -DRC_SHAPED=1" "trace.cl -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
     "rows.cl 0 -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_MATERIALS=7"
+    "trace.cl -DRC_BOUNCES=1 -DRC_SKELETON=32 -DRC_SUN=1 -DRC_MATERIALS=7"
+    "trace.cl -DRC_BOUNCES=1 -DRC_SKELETON=16 -DRC_SUN=0 -DRC_MATERIALS=7 -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
+    "trace_photons.cl -DRC_STACK=96 -DRC_OFFSETS=0"
+    "trace_photons.cl -DRC_STACK=96 -DRC_OFFSETS=0 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12"
     "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1" "lidar_beam.cl
       -DRC_RECEIVER=1"
     "lidar_beam.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_OVERLAP=0" "lidar_air.cl -" "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2
