@@ -101,7 +101,7 @@ void PhotonCount::leave(const shared::Photon& photon, double from_z_m, const Spe
   // A ray that leaves a scene that repeats by its side would have met the next cells there.
   const double endless_m = photon.way.z > 0 ? kEndless_m : -kEndless_m,
                edge_m = scene_.repeats ? side_height_m(scene_.compiled, photon) : endless_m;
-  const bool out = photon.way.z > 0 && edge_m >= double{scene_.compiled.hi[2]};
+  const bool out = edge_m >= double{scene_.compiled.hi[2]};
   cross(from_z_m, out ? endless_m : edge_m, carried);
   add_to(out ? ledger.reflected : ledger.lost, 1, carried);
 }
