@@ -357,6 +357,14 @@ class DocumentReader {
           value.text = **node.as_string();
         }
         break;
+      case KeyType::choices:
+        if (!node.is_array()) wrong_type(spec, node, file, "a list of " + choices_text(spec));
+        for (const auto& item : node.is_array() ? *node.as_array() : toml::array())
+          if (!item.is_string() || !is_choice(spec, **item.as_string()))
+            wrong_type(spec, item, file, "a list of " + choices_text(spec));
+          else
+            value.texts.push_back(**item.as_string());
+        break;
       case KeyType::text:
       case KeyType::path:
       case KeyType::path_or_table:

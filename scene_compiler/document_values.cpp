@@ -53,6 +53,7 @@ nlohmann::ordered_json value_json(const KeySpec& spec, const Value& value) {
     case KeyType::numbers:
       return value.numbers;
     case KeyType::texts:
+    case KeyType::choices:
       return value.texts;
     case KeyType::points: {
       Json out = Json::array();

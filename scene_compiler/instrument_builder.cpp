@@ -228,6 +228,14 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
                                                                                : std::move(given);
 }
 
+void read_band_truth(const Record& record, Instrument& out) {
+  const auto& asked = record.value("band_truth").texts;
+  const auto named = [&](std::string_view name) { return std::find(asked.begin(), asked.end(), name) != asked.end(); };
+  out.all_parts = named("parts");
+  for (std::size_t i = 0; i < std::size(kBandTruth); ++i)
+    if (named(kBandTruth[i].name)) out.band_truth.push_back(static_cast<BandTruth>(i));
+}
+
 Instrument read_instrument(const Record& record, const SceneParts& parts, std::vector<std::string>& notices,
                            Problems& problems) {
   Instrument out;
@@ -262,7 +270,7 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
                  std::to_string(out.samples_u * out.samples_v), "give more samples, or standard_error = \"off\"");
   out.write_exr = record.boolean("exr");
   out.write_png = record.boolean("png");
-  out.write_band_transmission = record.boolean("band_transmission");
+  read_band_truth(record, out);
   if (record.given("integer_scale")) out.integer_scale = record.number("integer_scale");
   return out;
 }

@@ -22,6 +22,8 @@ std::string_view type_name(KeyType type) {
       return "path";
     case KeyType::choice:
       return "choice";
+    case KeyType::choices:
+      return "list of choices";
     case KeyType::integers:
       return "integers";
     case KeyType::numbers:
@@ -71,6 +73,17 @@ Json list_schema(const KeySpec& spec, Json items) {
   return out;
 }
 
+Json choice_schema(const KeySpec& spec) {
+  Json values = Json::array();
+  std::string_view rest = spec.shape;
+  while (!rest.empty()) {
+    const auto bar = rest.find('|');
+    values.push_back(std::string(rest.substr(0, bar)));
+    rest = bar == std::string_view::npos ? std::string_view{} : rest.substr(bar + 1);
+  }
+  return {{"enum", values}};
+}
+
 Json table_schema(std::string_view path);
 
 Json key_schema(const KeySpec& spec) {
@@ -85,16 +98,10 @@ Json key_schema(const KeySpec& spec) {
     case KeyType::text:
     case KeyType::path:
       return text;
-    case KeyType::choice: {
-      Json values = Json::array();
-      std::string_view rest = spec.shape;
-      while (!rest.empty()) {
-        const auto bar = rest.find('|');
-        values.push_back(std::string(rest.substr(0, bar)));
-        rest = bar == std::string_view::npos ? std::string_view{} : rest.substr(bar + 1);
-      }
-      return {{"enum", values}};
-    }
+    case KeyType::choice:
+      return choice_schema(spec);
+    case KeyType::choices:
+      return {{"type", "array"}, {"items", choice_schema(spec)}};
     case KeyType::integers:
       return list_schema(spec, number_schema(spec, "integer"));
     case KeyType::numbers:
@@ -175,8 +182,9 @@ std::string options_markdown() {
     out += "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
     for (const auto& spec : option_keys()) {
       if (spec.table != table.path) continue;
-      std::string range = spec.type == KeyType::choice ? choices_text(spec) : range_text(spec);
-      if (spec.type != KeyType::choice && !spec.shape.empty()) {
+      const bool chosen = spec.type == KeyType::choice || spec.type == KeyType::choices;
+      std::string range = chosen ? choices_text(spec) : range_text(spec);
+      if (!chosen && !spec.shape.empty()) {
         std::string lengths(spec.shape);
         if (const auto bar = lengths.find('|'); bar != std::string::npos) lengths.replace(bar, 1, " or ");
         range += (range.empty() ? "" : "; ") +

@@ -8,6 +8,13 @@
 namespace raycube::scene {
 namespace {
 
+/// What `band_truth` may name.
+constexpr char kBandTruthNames[] = "parts"
+#define RC_BAND_TRUTH(name, kind, unit, text) "|" #name
+#include "scene_compiler/band_truth.def"
+#undef RC_BAND_TRUTH
+    ;
+
 constexpr auto kKeys = [] {
   using enum KeyType;
   return std::to_array<KeySpec>({

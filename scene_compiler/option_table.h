@@ -14,6 +14,7 @@ enum class KeyType {
   text,
   path,
   choice,
+  choices,  ///< a list of them
   integers,
   numbers,
   points,

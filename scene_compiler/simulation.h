@@ -3,12 +3,14 @@
 // named.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "scene_compiler/band_truth.h"
 #include "scene_compiler/compiled_scene.h"
 #include "scene_compiler/lidar_spec.h"
 
@@ -72,8 +74,12 @@ struct Instrument {
   // products
   std::string interleave = "bip";  ///< bip, bil, bsq
   bool write_exr = true, write_png = true;
-  bool write_band_transmission = false;  ///< path transmission per band as truth
-  std::optional<double> integer_scale;   ///< write uint16 of round(radiance * scale)
+  std::optional<double> integer_scale;  ///< write uint16 of round(radiance * scale)
+  std::vector<BandTruth> band_truth;    ///< cubes of it, ascending
+  bool all_parts = false;               ///< and all parts of the radiance that there are
+  bool asks_for(BandTruth truth) const {
+    return std::find(band_truth.begin(), band_truth.end(), truth) != band_truth.end();
+  }
 };
 
 enum class MeasureViews { principal, orthogonal, hemisphere };

@@ -59,7 +59,7 @@ const scene::Instrument& only_instrument(const scene::Simulation& simulation, co
 }
 
 std::string name_of(const run::PixelPart& light) {
-  using enum run::LightKind;
+  using enum scene::BandTruth;
   const std::string of = light.material.empty() ? ""
                                                 : (light.through ? " through "
                                                    : light.gloss ? " by the gloss of "
@@ -80,15 +80,11 @@ std::string name_of(const run::PixelPart& light) {
       return "warm surroundings" + of;
     case emission:
       return "emitted by " + light.material;
-    case between_surfaces:
+    default:
       break;
   }
   return fmt::format("between surfaces, order {}{}", light.number, light.and_more ? " and more" : "");
 }
-
-/// By run::LightKind, in JSON.
-constexpr const char* kLightKinds[] = {"path",        "ground_around", "sun",      "sky",
-                                       "thermal_sky", "surroundings",  "emission", "between_surfaces"};
 
 void print_budget(const run::PixelBudget& budget, const scene::Instrument& instrument, PixelPlace at,
                   const std::vector<int>& bands, std::ostream& out) {
@@ -121,7 +117,7 @@ nlohmann::ordered_json to_json(const run::PixelBudget& budget, const scene::Inst
                                 {"light", nlohmann::json::array()}};
   for (const auto& band : instrument.bands) all["wavelength_um"].push_back(band.center_um);
   for (const run::PixelPart& light : budget.light) {
-    nlohmann::ordered_json one = {{"kind", kLightKinds[static_cast<std::size_t>(light.kind)]}};
+    nlohmann::ordered_json one = {{"kind", scene::band_truth_entry(light.kind).name}};
     if (light.number > 0) one["number"] = light.number;
     if (light.and_more) one["and_more"] = true;
     if (!light.material.empty())

@@ -4,6 +4,7 @@
 
 #include "host/base/error.h"
 #include "host/plan/baked_rows.h"
+#include "host/plan/band_truth.h"
 #include "host/plan/curve.h"
 #include "host/plan/plan.h"
 #include "scene_compiler/matter.h"
@@ -101,7 +102,7 @@ void BakedRows::keep(std::uint64_t key, const std::vector<float>& row) {
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
   std::vector<float> out;
   if (plan.baked && plan.baked->read(key, out)) return out;
-  const std::size_t bands = plan.bands.size(), padded = RC_PADDED(bands);
+  const std::size_t bands = plan.bands.size(), padded = RC_PADDED(plan.columns());
   const bool skeleton = (key & kSkeletonKey) == kSkeletonKey, around = !skeleton && (key & kEnvironmentKey) != 0;
   const std::uint32_t curves = around || skeleton ? 0 : rc_key_count(key);
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
@@ -119,7 +120,8 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   if (curves > 0 && plan.thermal.on)
     for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
-  out.assign(spectra.size() * padded, 0.0f);
+  const bool covers = curves > 0 && !plan.truth.empty();
+  out.assign((spectra.size() + (covers ? 1 : 0)) * padded, 0.0f);
   const std::size_t all = spectra.size(), lit = curves > 0 ? std::min(first_emission, all) : all;
   std::vector<double> weight;
   for (std::size_t b = 0; b < bands; ++b) {
@@ -133,6 +135,7 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
     into(scattered, 0, lit);
     if (lit < all) into(emitted, lit, all);
   }
+  if (!plan.truth.empty()) bake_truth(plan, scene, key, padded, out);
   if (plan.baked) plan.baked->keep(key, out);
   return out;
 }

@@ -219,6 +219,10 @@ struct Plan {
   SkyRays sky;         ///< none without components
   IrradianceMap irradiance;
   Bounces bounces;
+  std::vector<scene::BandTruth> truth;  ///< cubes that a render makes beside the radiance: of a plan to render by alone
+  /// [source * height.count + h][grid]: what of a source's scalar 1 falls onto a surface, W m-2 um-1, of those that
+  /// light it; empty unless the instrument asks for irradiance.
+  std::vector<std::vector<double>> incident_spectrum;
   std::string
       refusal;  ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
   std::vector<std::string> notices;  ///< what the user should know though it is no error
@@ -236,6 +240,10 @@ struct Plan {
   bool sends_rays() const { return components() > 0 || bounces.any(); }
   int paths() const { return bounces.any() ? paths_beside(sky.rays) : 0; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
+  /// Values of a pixel: its bands, then those of each cube of truth.
+  std::size_t columns() const { return bands.size() * (1 + truth.size()); }
+  /// Channel of a material's row that its coverage of the pixel goes by, where there is truth per band.
+  int coverage_channel() const { return source_channels(); }
 };
 
 /// The extremes a plan must cover, over the centres and corners of all pixels of the instrument.
@@ -256,8 +264,9 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
 
 /// Bakes one term row in double: E[channel][band] for a product key (kernels/shared/product_key.h; 0 = path) or
 /// kEnvironmentKey | node or kSkeletonKey | wavelength (of whose channels sun and solar sky are filled), stored as
-/// float, bands padded with zeros to a multiple of 16: result[channel * bands_padded + band]. Emission goes with
-/// the key of one reflectance. Error(input) when a curve does not cover the grid, which
+/// float, columns() padded with zeros to a multiple of 16: result[channel * padded + column]. Emission goes with
+/// the key of one reflectance. Where there is truth per band (host/plan/band_truth.h) a material's row has one channel
+/// more, its coverage. Error(input) when a curve does not cover the grid, which
 /// cannot happen to the reflectance of a used material. Read from plan.baked where that has it.
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key);
 

@@ -19,9 +19,7 @@ std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t 
 
 }  // namespace
 
-std::size_t most_rows(const plan::Plan& plan) {
-  return plan.seen_curves.size() + plan.environment.nodes() + 1;
-}
+std::size_t most_rows(const plan::Plan& plan) { return plan.seen_curves.size() + plan.environment.nodes() + 1; }
 
 BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan,
                      const StageShape& shape, std::size_t bytes)

@@ -13,7 +13,7 @@ std::vector<double> sum_of_terms(const plan::Plan& plan, const scene::CompiledSc
   for (const Term& term : terms) {
     std::vector<float>& row = rows[term.key];
     if (row.empty()) row = plan::bake_row(plan, scene, term.key);
-    const float* e = row.data() + term.channel * static_cast<std::size_t>(RC_PADDED(plan.bands.size()));
+    const float* e = row.data() + term.channel * static_cast<std::size_t>(RC_PADDED(plan.columns()));
     for (std::size_t b = 0; b < radiance.size(); ++b) radiance[b] += term.weight * double{e[b]};
   }
   return radiance;

@@ -252,12 +252,13 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
   const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene, instrument).size();
   const bool band_errors = instrument.standard_error == scene::StandardError::bands;
   const std::uint64_t all_pixels = static_cast<std::uint64_t>(instrument.lines) * instrument.pixels;
+  const DerivedLayers derived(state_->scene, instrument);
   StripQueue queue(sink);
   for (int line = 0; line < instrument.lines; line += size.lines) {
     const int lines = std::min(size.lines, instrument.lines - line);
     const std::size_t pixels = static_cast<std::size_t>(lines) * instrument.pixels;
     StripQueue::Item item = queue.take(pixels * bands, pixels * layers, band_errors ? pixels * bands : 0);
-    item.strip.first_line = line, item.strip.lines = lines;
+    item.strip.first_line = line, item.strip.lines = lines, item.strip.columns = bands;
     if (rendered)
       rendered->sums.mean(static_cast<std::size_t>(line) * instrument.pixels, pixels, item.radiance.data(),
                           item.truth.data(), layers);
@@ -275,6 +276,7 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
                      tile.pixels(),
                  all_pixels);
     }
+    derived.fill(pixels, item.truth.data());
     queue.push(std::move(item));
   }
   RenderStatistics statistics = rendered ? rendered->statistics : passes->statistics();

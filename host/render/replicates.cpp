@@ -49,12 +49,12 @@ void ReplicateSums::mean(std::size_t first_pixel, std::size_t pixels, float* rad
     mean_truth(truth_.data() + (first_pixel + p) * layers_, count_, materials_, truth + p * layers);
 }
 
-ReplicateSpread ReplicateSums::spread() const {
-  ReplicateSpread out{static_cast<double>(pixels_), std::vector<double>(bands_), std::vector<double>(bands_),
-                      std::vector<double>(bands_)};
+ReplicateSpread ReplicateSums::spread(std::size_t bands) const {
+  ReplicateSpread out{static_cast<double>(pixels_), std::vector<double>(bands), std::vector<double>(bands),
+                      std::vector<double>(bands)};
   const double n = count_;
   for (std::size_t p = 0; p < pixels_; ++p)
-    for (std::size_t b = 0; b < bands_; ++b) {
+    for (std::size_t b = 0; b < bands; ++b) {
       const double sum = radiance_[p * bands_ + b];
       const double square = std::max(0.0, square_[p * bands_ + b] - sum * sum / n) / (n * (n - 1));
       out.radiance[b] += sum / n;

@@ -26,7 +26,9 @@ class ReplicateSums {
 
   /// The mean so far. The same bits whatever parts it was added in.
   void mean(std::size_t first_pixel, std::size_t pixels, float* radiance, float* truth, std::size_t layers) const;
-  ReplicateSpread spread() const;
+  /// Of the first so many bands.
+  ReplicateSpread spread(std::size_t bands) const;
+  ReplicateSpread spread() const { return spread(bands_); }
 
  private:
   std::size_t pixels_, bands_, materials_, layers_;

@@ -87,11 +87,11 @@ TilePasses::~TilePasses() = default;
 
 LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan,
                          std::size_t row_capacity) {
-  const std::size_t cubes = instrument.standard_error == scene::StandardError::bands ? 2 : 1;
+  const std::size_t cubes = instrument.standard_error == scene::StandardError::bands ? 2 : 1, values = plan.columns();
   LeastMemory out;
   const std::size_t layers = truth_layer_names(scene, instrument).size();
-  out.strip_values = cubes * instrument.bands.size() + layers;
-  if (instrument.replicates > 1) out.strip_values += 4 * instrument.bands.size() + 2 * layers;  // sums are doubles
+  out.strip_values = cubes * values + layers;
+  if (instrument.replicates > 1) out.strip_values += 4 * values + 2 * layers;  // sums are doubles
   out.table_rows = std::min(kFewestRows, most_rows(plan)) + plan.bounces.skeleton.size();
   std::size_t& bytes = out.more_bytes;
   const auto add_parts = [&](const StageShape& shape) {
@@ -179,13 +179,14 @@ const std::vector<float>& TilePasses::scale() {
       for (std::size_t b = 0; b < bands; ++b) mean[b] += double{radiance[p * bands + b]} / pixels;
     }
   }
+  mean.resize(setup_.plan.bands.size());  // truth is judged by nobody
   scale_ = error_scale(mean);
   return scale_;
 }
 
 void TilePasses::run_pass(TileWorker& worker, const TileRays& rays, const TileOutput& out, PixelProbe* probe) {
   const std::size_t bands = setup_.shape.bands;
-  const bool layers = out.layers > layers_;
+  const bool layers = setup_.instrument.standard_error != scene::StandardError::off && out.layers > layers_;
   std::vector<float> own(layers && !out.band_error ? rays.pixels() * bands : 0);
   TileOutput here = out;
   if (!own.empty()) here.band_error = own.data();
@@ -326,12 +327,12 @@ void TilePasses::run_replicates(const Tile& tile, const TileOutput& out) {
     sums.next();
   }
   std::move(terms.begin(), terms.end(), out.terms);
-  spread_.add(sums.spread());
+  spread_.add(sums.spread(setup_.plan.bands.size()));
   sums.mean(0, pixels, out.radiance, out.truth, out.layers);
 }
 
 void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
-  const bool layers = out.layers > layers_;
+  const bool layers = setup_.instrument.standard_error != scene::StandardError::off && out.layers > layers_;
   if (coarse_ || layers) scale();
   if (coarse_)
     run_adaptive(tile, out);

@@ -50,10 +50,12 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.views = plan.view.count;
   shape.path_x = plan.path_x.count;
   shape.path_y = plan.path_y.count;
-  shape.channels = std::max({plan.source_channels(), plan.path_channels(), plan.environment_channels()});
+  shape.covers = !plan.truth.empty();
+  shape.channels =
+      std::max({plan.source_channels() + (shape.covers ? 1 : 0), plan.path_channels(), plan.environment_channels()});
   shape.environment = !plan.environment.empty();
   shape.bounces = plan.bounces.any(), shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
-  shape.bands = static_cast<int>(plan.bands.size());
+  shape.bands = static_cast<int>(plan.columns());
   shape.bands_padded = RC_PADDED(shape.bands);
   return shape;
 }
@@ -91,6 +93,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   rows("RC_CHANNELS", shape.channels);
   rows("RC_BANDS_PADDED", shape.bands_padded);
   rows("RC_CHUNKED", shape.chunked());
+  if (shape.covers) rows("RC_COVERS", 1);
   rows("RC_ENVIRONMENT", shape.environment);
   if (shape.bounces) {
     both("RC_BOUNCES", 1);

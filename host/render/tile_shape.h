@@ -31,8 +31,10 @@ struct StageShape {
   int pixels_per_group = RC_GROUP_WIDTH;
   int sun = 1, components = 0, thermal_components = 0, temperatures = 0;  ///< sources of a material row
   int heights = 1, views = 1, path_x = 1, path_y = 1;
-  int channels = 1;  ///< rows of the band table per key: max of source and path channels
-  int bands = 0, bands_padded = 0;
+  int channels = 1;     ///< rows of the band table per key: max of source and path channels
+  bool covers = false;  ///< a material's coverage is a term: there is truth per band
+  int bands = 0;        ///< values of a pixel: bands, then those of truth per band
+  int bands_padded = 0;
   bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
   scene::CameraMatter matter;
   bool bounces = false;      ///< light comes by surfaces after the first
@@ -57,7 +59,7 @@ struct StageShape {
     return static_cast<std::size_t>(heights) * path_x * path_y +
            (environment ? RC_ENVIRONMENT_NODES * static_cast<std::size_t>(heights) * views : 0) +
            (bounces ? static_cast<std::size_t>(skeleton) * heights * views : 0) +
-           capacity * static_cast<std::size_t>(sources()) * heights * views;
+           capacity * (static_cast<std::size_t>(sources()) * heights * views + (covers ? 1 : 0));
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.
   std::size_t row_bytes(std::size_t capacity) const;

@@ -382,8 +382,9 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
             for (int v = 0; v < shape.views; ++v)
               add(keys[k], baked, i * shape.views + v,
                   total(row, shape.accumulators(), shape.chunked(), i) * weight_of(v, iv, fv));
-          results[f].abundance[material_of_key(keys[k])] +=
-              total(row, shape.accumulators(), shape.chunked(), shape.accumulators() - 1);
+          const double covers = total(row, shape.accumulators(), shape.chunked(), shape.accumulators() - 1);
+          if (shape.covers) add(keys[k], baked, plan.coverage_channel(), covers);
+          results[f].abundance[material_of_key(keys[k])] += covers;
         }
       });
     }

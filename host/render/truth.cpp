@@ -22,22 +22,62 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene) {
   return layers;
 }
 
+namespace {
+
+bool knows_temperatures(const scene::CompiledScene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const scene::Material& material) { return material.temperature_K > 0; });
+}
+
+}  // namespace
+
 std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, const scene::Instrument& instrument) {
   std::vector<LayerName> layers = truth_layer_names(scene);
-  if (instrument.standard_error == scene::StandardError::off) return layers;
-  layers.push_back({"standard_error", "1",
-                    "of the samples: the worst band's, over that band's mean over the scene; not a number: not known"});
-  layers.push_back({"not_converged", "1", "1: the standard error is above the tolerance or not known"});
+  if (instrument.standard_error != scene::StandardError::off) {
+    layers.push_back(
+        {"standard_error", "1",
+         "of the samples: the worst band's, over that band's mean over the scene; not a number: not known"});
+    layers.push_back({"not_converged", "1", "1: the standard error is above the tolerance or not known"});
+  }
+  if (knows_temperatures(scene))
+    layers.push_back(
+        {"temperature_K", "K", "mean of the materials that are seen, by their areas; not a number where one has none"});
   return layers;
+}
+
+DerivedLayers::DerivedLayers(const scene::CompiledScene& scene, const scene::Instrument& instrument)
+    : stride_(truth_layer_names(scene, instrument).size()) {
+  if (!knows_temperatures(scene)) return;
+  for (const auto& material : scene.materials)
+    if (material.in_family == 0)
+      temperature_K_.push_back(material.temperature_K > 0 ? material.temperature_K
+                                                          : std::numeric_limits<double>::quiet_NaN());
+}
+
+void DerivedLayers::fill(std::size_t pixels, float* layers) const {
+  if (temperature_K_.empty()) return;
+  for (std::size_t p = 0; p < pixels; ++p, layers += stride_) {
+    double covered = 0, sum = 0;
+    for (std::size_t m = 0; m < temperature_K_.size(); ++m)
+      if (const double share = double{layers[truth::abundance + m]}; share > 0)
+        covered += share, sum += share * temperature_K_[m];
+    layers[stride_ - 1] = covered > 0 ? static_cast<float>(sum / covered) : std::numeric_limits<float>::quiet_NaN();
+  }
 }
 
 namespace {
 
+/// Angles whose cosines are means over hits.
+constexpr truth::Layer kAngles[] = {truth::sun_incidence_deg, truth::view_incidence_deg};
 /// Means over hits, of which hits without any are none.
 constexpr truth::Layer kOverHits[] = {truth::sun_fraction, truth::x_m, truth::y_m, truth::z_m, truth::range_m};
 /// The same in every image: of the pixel's centre and of the sun.
 constexpr truth::Layer kInCommon[] = {truth::view_zenith_deg, truth::view_azimuth_deg, truth::sun_zenith_deg,
                                       truth::sun_azimuth_deg};
+
+float angle_deg(double cosine) {
+  return static_cast<float>(base::deg_from_rad(std::acos(std::clamp(cosine, -1.0, 1.0))));
+}
 
 /// The material with the largest abundance, from 1; 0: none.
 float main_material(const float* layers, std::size_t materials) {
@@ -56,7 +96,7 @@ void add_truth(const float* layers, std::size_t materials, double* sums) {
   for (std::size_t m = 0; m < materials; ++m) sums[truth::abundance + m] += layers[truth::abundance + m];
   if (hit == 0) return;
   for (const auto layer : kOverHits) sums[layer] += hit * layers[layer];
-  sums[truth::sun_incidence_deg] += hit * std::cos(base::rad_from_deg(layers[truth::sun_incidence_deg]));
+  for (const auto layer : kAngles) sums[layer] += hit * std::cos(base::rad_from_deg(layers[layer]));
 }
 
 void mean_truth(const double* sums, int count, std::size_t materials, float* layers) {
@@ -66,10 +106,7 @@ void mean_truth(const double* sums, int count, std::size_t materials, float* lay
   for (const auto layer : kInCommon) layers[layer] = static_cast<float>(sums[layer]);
   for (const auto layer : kOverHits) layers[layer] = hit > 0 ? static_cast<float>(sums[layer] / hit) : kNone;
   if (hit == 0) layers[truth::sun_fraction] = 0;
-  layers[truth::sun_incidence_deg] =
-      hit > 0 ? static_cast<float>(
-                    base::deg_from_rad(std::acos(std::clamp(sums[truth::sun_incidence_deg] / hit, -1.0, 1.0))))
-              : kNone;
+  for (const auto layer : kAngles) layers[layer] = hit > 0 ? angle_deg(sums[layer] / hit) : kNone;
   for (std::size_t m = 0; m < materials; ++m)
     layers[truth::abundance + m] = static_cast<float>(sums[truth::abundance + m] / count);
   layers[truth::material_id] = main_material(layers, materials);
@@ -96,10 +133,8 @@ void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun
   layers[truth::view_azimuth_deg] = static_cast<float>(azimuth_deg < 0 ? azimuth_deg + 360.0 : azimuth_deg);
   layers[truth::sun_zenith_deg] = static_cast<float>(sun.zenith_deg);
   layers[truth::sun_azimuth_deg] = static_cast<float>(sun.azimuth_deg);
-  layers[truth::sun_incidence_deg] =
-      hit > 0
-          ? static_cast<float>(base::deg_from_rad(std::acos(std::clamp(double{mean(RC_TRUTH_INCIDENCE)}, -1.0, 1.0))))
-          : kNone;
+  layers[truth::sun_incidence_deg] = hit > 0 ? angle_deg(double{mean(RC_TRUTH_INCIDENCE)}) : kNone;
+  layers[truth::view_incidence_deg] = hit > 0 ? angle_deg(double{mean(RC_TRUTH_VIEW)}) : kNone;
 }
 
 }  // namespace raycube::render

@@ -29,8 +29,20 @@ struct LayerName {
 /// Every layer in band order: the fixed ones of truth_layers.def, then abundance_<material>.
 std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene);
 
-/// The same, then those of standard errors where the instrument has them.
+/// The same, then those of standard errors where the instrument has them, and what derives from all these.
 std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, const scene::Instrument& instrument);
+
+/// Layers that follow from a pixel's abundances: temperature_K, where the scene knows temperatures.
+class DerivedLayers {
+ public:
+  DerivedLayers(const scene::CompiledScene& scene, const scene::Instrument& instrument);
+  /// Of pixels whose other layers are filled.
+  void fill(std::size_t pixels, float* layers) const;
+
+ private:
+  std::size_t stride_;
+  std::vector<double> temperature_K_;  ///< of the materials that the user named; not a number: none
+};
 
 /// What the shading stage left of one pixel.
 struct PixelTruth {

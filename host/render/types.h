@@ -36,11 +36,12 @@ using PixelTerms = std::vector<Term>;
 /// Lines of the finished image, whole or a part of each.
 struct Strip {
   int first_line = 0, lines = 0;
-  const float* radiance = nullptr;  ///< [line][sample][band], W m-2 sr-1 um-1
+  const float* radiance = nullptr;  ///< [line][sample][column]: bands, W m-2 sr-1 um-1, then those of truth per band
   const float* truth = nullptr;     ///< [line][sample][layer], see truth_layer_names(scene, instrument)
   const float* band_error =
-      nullptr;  ///< [line][sample][band], standard error of the radiance; null unless the instrument asks for bands
+      nullptr;  ///< [line][sample][column], standard error of each; null unless the instrument asks for bands
   int first_sample = 0, samples = 0;  ///< of each line; 0: all
+  std::size_t columns = 0;            ///< plan::Plan::columns(); 0: the instrument's bands
 };
 using StripSink = std::function<void(const Strip&)>;
 using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;

@@ -16,6 +16,7 @@
 #include "host/base/parallel.h"
 #include "host/base/publication.h"
 #include "host/run/radiance_guard.h"
+#include "host/run/truth_cubes.h"
 #include "host/plan/radiance_limit.h"
 #include "host/products/digest.h"
 #include "host/products/envi_writer.h"
@@ -24,7 +25,6 @@
 #include "host/products/map_grid.h"
 #include "host/products/quicklook.h"
 #include "host/render/truth.h"
-#include "kernels/atmosphere/nodes.h"
 #include "host/base/units.h"
 
 namespace raycube::run {
@@ -80,20 +80,6 @@ products::EnviHeader cube_header(const scene::Simulation& simulation, const scen
   if (header.band_names.size() != instrument.bands.size()) header.band_names.clear();
   for (const int band : shown) header.default_bands.push_back(band + 1);
   return header;
-}
-
-/// Mean transmission target to sensor of every band at every (height, view) node.
-std::vector<std::vector<double>> band_transmission(const plan::Plan& plan) {
-  std::vector<std::vector<double>> out;
-  for (const auto& spectrum : plan.transmission_spectrum) {
-    out.emplace_back();
-    for (const auto& band : plan.bands) {
-      double sum = 0;
-      for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * spectrum[band.first + i];
-      out.back().push_back(sum);
-    }
-  }
-  return out;
 }
 
 /// Places of the layers the writers look at.
@@ -169,12 +155,9 @@ struct CubeProducts::State {
                         3 * sizeof(double));
       location_text = &set.add("location.hdr");
     }
-    if (instrument.write_band_transmission) {
-      node_transmission = band_transmission(plan);
-      transmission.emplace(
-          set, "transmission.img",
-          cube_header(simulation, instrument, shown, "1", "band-averaged transmission from target to sensor"));
-    }
+    truth_cubes.emplace(set, simulation, job_, [this](const std::string& unit, const std::string& text) {
+      return cube_header(simulation, instrument, shown, unit, text);
+    });
     if (instrument.standard_error == scene::StandardError::bands)
       standard_error.emplace(set, "standard_error.img",
                              cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
@@ -190,6 +173,25 @@ struct CubeProducts::State {
                   std::map<std::string, std::string>{
                       {"units", "radiance W m-2 sr-1 um-1; truth layers as in truth.hdr"}, {"origin", where}});
     }
+  }
+
+  /// The strip without the columns of truth per band; the arrays hold what is left where there were any.
+  render::Strip bands_alone(const render::Strip& strip, std::vector<float>& radiance_values,
+                            std::vector<float>& error_values) const {
+    const std::size_t bands = instrument.bands.size();
+    if (strip.columns == 0 || strip.columns == bands) return strip;
+    const products::Piece piece = piece_of(strip);
+    const auto pixels = static_cast<std::size_t>(piece.lines * piece.samples);
+    const auto keep = [&](const float* from, std::vector<float>& to) -> const float* {
+      if (from == nullptr) return nullptr;
+      for (std::size_t p = 0; p < pixels; ++p)
+        to.insert(to.end(), from + p * strip.columns, from + p * strip.columns + bands);
+      return to.data();
+    };
+    render::Strip out = strip;
+    out.columns = bands;
+    out.radiance = keep(strip.radiance, radiance_values), out.band_error = keep(strip.band_error, error_values);
+    return out;
   }
 
   products::Piece piece_of(const render::Strip& strip) const {
@@ -226,38 +228,12 @@ struct CubeProducts::State {
           location->read_at(static_cast<std::uint64_t>(line) * bytes, values, bytes);
         });
     if (!grid) return;
-    for (auto* header :
-         {&location_header, &radiance->header(), &truth->header(), transmission ? &transmission->header() : nullptr,
-          standard_error ? &standard_error->header() : nullptr})
-      if (header)
-        products::set_map_grid(*header, simulation.scene.origin.epsg, grid->easting_m, grid->northing_m,
-                               grid->pixel_x_m, grid->pixel_y_m);
-  }
-
-  /// Nodes weighted by the pixel's mean height and view zenith; not a number where nothing was hit.
-  void add_transmission(const render::Strip& strip) {
-    const products::Piece piece = piece_of(strip);
-    const std::size_t pixels = static_cast<std::size_t>(piece.lines * piece.samples), bands = instrument.bands.size();
-    const std::size_t z = layer_index(layers, "z_m"), zenith = layer_index(layers, "view_zenith_deg");
-    std::vector<float> values(pixels * bands);
-    for (std::size_t p = 0; p < pixels; ++p) {
-      const float* at = strip.truth + p * layers.size();
-      int ih, iv;
-      float fh, fv;
-      rc_node_weights(at[z], plan.height.first, plan.height.step, plan.height.count, &ih, &fh);
-      rc_node_weights(static_cast<float>(1 / std::cos(base::rad_by_division(at[zenith]))), plan.view.first,
-                      plan.view.step, plan.view.count, &iv, &fv);
-      for (std::size_t b = 0; b < bands; ++b) {
-        double sum = 0;
-        for (int h = 0; h < 2; ++h)
-          for (int v = 0; v < 2; ++v) {
-            const double w = (h ? fh : 1 - fh) * (v ? fv : 1 - fv);
-            if (w != 0) sum += w * node_transmission[(ih + h) * plan.view.count + iv + v][b];
-          }
-        values[p * bands + b] = std::isnan(at[z]) ? at[z] : static_cast<float>(sum);
-      }
-    }
-    transmission->write(strip_of(strip, values.data(), bands));
+    std::vector<products::EnviHeader*> headers = truth_cubes->headers();
+    headers.insert(headers.end(), {&location_header, &radiance->header(), &truth->header()});
+    if (standard_error) headers.push_back(&standard_error->header());
+    for (auto* header : headers)
+      products::set_map_grid(*header, simulation.scene.origin.epsg, grid->easting_m, grid->northing_m, grid->pixel_x_m,
+                             grid->pixel_y_m);
   }
 
   /// Of files that keep integers the radiance that did not come in order waits beside them, in a file that never gets a
@@ -306,11 +282,11 @@ struct CubeProducts::State {
   std::vector<render::LayerName> layers;
   std::vector<int> shown;
   products::Digest digest;
-  std::optional<products::EnviWriter> radiance, truth, transmission, standard_error;
+  std::optional<products::EnviWriter> radiance, truth, standard_error;
+  std::optional<TruthCubes> truth_cubes;
   products::EnviHeader location_header;
   base::OutputFile* location = nullptr;
   base::OutputFile* location_text = nullptr;
-  std::vector<std::vector<double>> node_transmission;
   std::optional<products::Quicklook> quicklook;
   std::optional<products::ExrWriter> exr;
   MissedSamples missed;
@@ -323,8 +299,11 @@ CubeProducts::CubeProducts(const std::string& folder, base::IfExists if_exists, 
     : state_(std::make_unique<State>(folder, if_exists, simulation, job)) {}
 CubeProducts::~CubeProducts() = default;
 
-void CubeProducts::add(const render::Strip& strip) {
+void CubeProducts::add(const render::Strip& whole) {
   State& s = *state_;
+  s.truth_cubes->write(whole);
+  std::vector<float> radiance, error;
+  const render::Strip strip = s.bands_alone(whole, radiance, error);
   // Hashing the strip takes as long as writing it: one does not wait for the other.
   std::future<void> looked_at;
   if (s.order.takes(s.piece_of(strip)))
@@ -334,7 +313,6 @@ void CubeProducts::add(const render::Strip& strip) {
   s.radiance->write(s.strip_of(strip, strip.radiance, s.instrument.bands.size()));
   s.truth->write(s.strip_of(strip, strip.truth, s.layers.size()));
   if (s.location) s.add_location(strip);
-  if (s.transmission) s.add_transmission(strip);
   if (s.standard_error) s.standard_error->write(s.strip_of(strip, strip.band_error, s.instrument.bands.size()));
   if (looked_at.valid()) looked_at.get();
 }
@@ -374,10 +352,7 @@ void CubeProducts::publish(products::RunRecord& record) {
     s.location_text->append(products::envi_header_text(s.location_header));
     record.files.emplace_back("location.img", "easting, northing, height of each pixel, ENVI");
   }
-  if (s.transmission) {
-    s.transmission->finish();
-    record.files.emplace_back("transmission.img", "path transmission per band, ENVI");
-  }
+  s.truth_cubes->finish(record);
   if (s.standard_error) {
     s.standard_error->finish();
     record.files.emplace_back("standard_error.img", "standard error of the radiance per band, ENVI");

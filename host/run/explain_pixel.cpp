@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "host/plan/band_truth.h"
 #include "host/render/pixel_terms.h"
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/matter.h"
@@ -16,24 +17,20 @@ namespace {
 
 constexpr int kOrdersApart = 8;  ///< each takes a render of the pixel's group
 
-/// Kind, curve of the material (0: none), number.
-using Origin = std::tuple<LightKind, std::uint32_t, int>;
+/// Part of the radiance, curve of the material (0: none), number.
+using Origin = std::tuple<scene::BandTruth, std::uint32_t, int>;
 
 Origin origin_of(const plan::Plan& plan, const scene::CompiledScene& scene, const render::Term& term) {
-  if (term.key == 0) return {LightKind::path, 0, 0};
-  if ((term.key & plan::kSkeletonKey) == plan::kSkeletonKey) return {LightKind::between_surfaces, 0, 0};
-  if (term.key & plan::kEnvironmentKey) return {LightKind::ground_around, 0, 0};
+  using enum scene::BandTruth;
+  const scene::BandTruth kind = plan::light_kind(plan, term.key, static_cast<int>(term.channel));
+  if (kind == path || kind == between_surfaces || kind == ground_around) return {kind, 0, 0};
   const std::uint32_t member = rc_key_curve(term.key, 0);
   // Members of a family are one material, and their curves follow one another.
   const std::uint32_t curve = member - scene.materials[scene::material_of_curve(scene, member)].in_family;
-  const int source = static_cast<int>(term.channel) / (plan.height.count * plan.view.count);
-  if (source < plan.first_component()) return {LightKind::sun, curve, 0};
-  if (source >= plan.first_emission())  // a leaf's is 1 less both of its curves
-    return {LightKind::emission, scene::reflectance_curve(scene, scene::material_of_curve(scene, curve)), 0};
-  const int component = source - plan.first_component();
-  if (component < plan.sky_components) return {LightKind::sky, curve, component + 1};
-  if (component + 1 < plan.components()) return {LightKind::thermal_sky, curve, component - plan.sky_components + 1};
-  return {LightKind::surroundings, curve, 0};
+  if (kind == emission)  // a leaf's is 1 less both of its curves
+    return {kind, scene::reflectance_curve(scene, scene::material_of_curve(scene, curve)), 0};
+  const int component = static_cast<int>(term.channel) / (plan.height.count * plan.view.count) - plan.first_component();
+  return {kind, curve, kind == sky ? component + 1 : kind == thermal_sky ? component - plan.sky_components + 1 : 0};
 }
 
 std::map<Origin, render::PixelTerms> by_origin(const plan::Plan& plan, const scene::CompiledScene& scene,
@@ -62,6 +59,7 @@ std::vector<std::vector<double>> by_order(const plan::Plan& plan, const std::vec
 
 PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& simulation, const CameraJob& job,
                           int line, int sample) {
+  using enum scene::BandTruth;
   const scene::CompiledScene& scene = simulation.scene;
   const auto parts_of = [&](const plan::Plan& plan) {
     return renderer.parts_of(*job.instrument, plan, simulation.sun, simulation.seed, line, sample);
@@ -73,11 +71,11 @@ PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& s
   out.sum = light_of(parts.terms);
   for (const auto& [origin, terms] : by_origin(job.plan, scene, parts.terms)) {
     const auto [kind, curve, number] = origin;
-    if (kind == LightKind::between_surfaces) {
+    if (kind == between_surfaces) {
       const auto up_to = [&](int levels) {
         plan::Plan fewer = job.plan;
         fewer.bounces.levels = levels;
-        return light_of(by_origin(fewer, scene, parts_of(fewer).terms)[{LightKind::between_surfaces, 0, 0}]);
+        return light_of(by_origin(fewer, scene, parts_of(fewer).terms)[{between_surfaces, 0, 0}]);
       };
       int order = 0;
       for (auto& light : by_order(job.plan, light_of(terms), up_to))

@@ -10,13 +10,9 @@
 
 namespace raycube::run {
 
-/// Where light came from: the air before the scene, the ground around by way of the air, sun, sky, the thermal sky,
-/// warm surroundings, the surface's own emission, other surfaces.
-enum class LightKind { path, ground_around, sun, sky, thermal_sky, surroundings, emission, between_surfaces };
-
 /// One kind of light, W m-2 sr-1 um-1 at the sensor.
 struct PixelPart {
-  LightKind kind;
+  scene::BandTruth kind;  ///< a part of the radiance
   int number = 0;  ///< of a sky's component, from 1; between surfaces: of surfaces after the first that it has met
   std::string material{};          ///< what scattered or emitted it last; empty: none, or several
   bool through = false;            ///< it came through that material

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 
+#include "host/plan/band_truth.h"
 #include "host/render/tile_passes.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
@@ -38,6 +39,9 @@ CameraForecast forecast_camera(const scene::CompiledScene& scene, const CameraJo
   forecast.baked_rows_bytes = options.memory_bytes / render::kBudgetShares;
   forecast.cube_bytes = pixels * instrument.bands.size() * (instrument.integer_scale ? 2 : sizeof(float));
   forecast.truth_bytes = pixels * layers * sizeof(float);
+  const std::size_t cubes = plan::truth_columns(job.plan, instrument).size() +
+                            (instrument.asks_for(scene::BandTruth::transmission) ? 1 : 0);
+  forecast.truth_bytes += pixels * cubes * instrument.bands.size() * sizeof(float);
   return forecast;
 }
 

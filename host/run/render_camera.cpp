@@ -11,6 +11,7 @@
 #include "host/base/memory.h"
 #include "host/base/timing.h"
 #include "host/cl/device.h"
+#include "host/plan/band_truth.h"
 #include "host/planner/own_error.h"
 #include "host/planner/plan_lines.h"
 #include "host/run/cube_products.h"
@@ -145,19 +146,30 @@ void add_warning(const std::string& text, products::RunRecord& record, Services&
   record.warnings.push_back(text);
 }
 
+/// The plan with what truth per band it is to make beside the radiance.
+plan::Plan with_truth(const CameraJob& job) {
+  plan::Plan out = job.plan;
+  out.truth = plan::truth_columns(job.plan, *job.instrument);
+  out.baked.reset();  // its rows are wider
+  return out;
+}
+
 /// The image into its products, strip by strip.
 render::RenderStatistics render_into(CubeProducts& output, const scene::Simulation& simulation, const CameraJob& job,
                                      render::Renderer& renderer, const Services& services) {
   const auto& instrument = *job.instrument;
   const Step step(services, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
   std::uint64_t reported = 0;
+  const bool more = !plan::truth_columns(job.plan, instrument).empty();
+  const auto plan = more ? std::make_optional(with_truth(job)) : std::nullopt;
   return renderer.render(
-      instrument, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) { output.add(strip); },
+      instrument, plan ? *plan : job.plan, simulation.sun, simulation.seed,
+      [&](const render::Strip& strip) { output.add(strip); },
       [&](std::uint64_t done, std::uint64_t) {
         step.advance(done - reported);
         reported = done;
       },
-      job.decision.image.get());
+      more ? nullptr : job.decision.image.get());  // which has no truth per band
 }
 
 }  // namespace
@@ -174,7 +186,7 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   const auto statistics = render_into(output, simulation, job, renderer, services);
   output.complete();
   Took took{base::seconds_since(start), base::processor_seconds() - processor_before_s};
-  if (job.decision.image)  // which the planner rendered
+  if (job.decision.image && plan::truth_columns(job.plan, instrument).empty())  // which the planner rendered
     took.render_s += job.decision.image->render_s, took.processor_s += job.decision.image->processor_s;
 
   products::RunRecord record =

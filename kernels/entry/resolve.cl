@@ -105,6 +105,10 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
         weights[n++] = w;
       }
     }
+#if RC_COVERS
+    rows[n] = base + (uint)(RC_SOURCES * RC_HEIGHTS * RC_VIEWS);
+    weights[n++] = rc_sum_of(row, RC_ACCUMULATORS, RC_ACCUMULATORS - 1);
+#endif
   }
 #if RC_BOUNCES
   /* Light between surfaces: the pixel's own mean over the height nodes stands for where it was scattered last. */

@@ -46,6 +46,8 @@ static inline void rc_add_truth(const TracedPixel* traced, const ShadedWord* wor
   truth->of[RC_TRUTH_Z] += rc_masked(w_hit * z, word->hit);
   truth->of[RC_TRUTH_RANGE] += rc_masked(w_hit * range, word->hit);
   truth->of[RC_TRUTH_INCIDENCE] += rc_masked(w_hit * word->cosine, word->hit);
+  const float16 towards = -fma(word->nx, rx, fma(word->ny, ry, word->nz * rz)) / range;
+  truth->of[RC_TRUTH_VIEW] += rc_masked(w_hit * towards, word->hit);
 }
 
 /* Adds them to the row's. */

@@ -78,7 +78,8 @@
 #define RC_TRUTH_Z 4
 #define RC_TRUTH_RANGE 5     /* m, sensor to hit */
 #define RC_TRUTH_INCIDENCE 6 /* cosine between the normal (facing the viewer) and the sun */
-#define RC_TRUTH_SUMS 8      /* the last is free, and zero */
+#define RC_TRUTH_VIEW 7      /* cosine between it and the direction to the sensor */
+#define RC_TRUTH_SUMS 8
 
 #define RC_PATH_PARTS 4 /* of a pixel's samples, whose paths are summed apart: their spread tells a standard error */
 
@@ -120,6 +121,9 @@
 #endif
 #ifndef RC_TEMPERATURES
 #define RC_TEMPERATURES 0 /* nodes of emission */
+#endif
+#ifndef RC_COVERS
+#define RC_COVERS 0 /* 1: what covers a pixel is a term of its own: there is truth per band */
 #endif
 #ifndef RC_BOUNCES
 #define RC_BOUNCES 0 /* 1: light comes by surfaces after the first */

@@ -165,7 +165,7 @@ with tempfile.TemporaryDirectory() as work:
         "format = 1\n"
         + inline
         + tables.replace('{ model = "none" }', "{ aod_550 = 0.2 }")
-        + "band_transmission = true\n"
+        + 'band_truth = ["transmission"]\n'
     )
     run("render", work / "geo.toml", "-o", work / "geo")
     geo = work / "geo" / "camera"
@@ -205,7 +205,7 @@ with tempfile.TemporaryDirectory() as work:
         and 0 < transmission.min() < transmission.max() < 1
     )
     check((transmission[:, :, 8] > transmission[:, :, 0]).all() and (transmission[0, 0] <= transmission[6, 12]).all())
-    run("render", scene(work, "other.toml", instrument="band_transmission = true"), "-o", work / "clear")
+    run("render", scene(work, "other.toml", instrument='band_truth = ["transmission"]'), "-o", work / "clear")
     check(numpy.abs(envi(work / "clear" / "camera", "transmission")[1] - 1).max() < 1e-6)
 
     # --dry-run: the plan and the memory, and not a byte on the disk.

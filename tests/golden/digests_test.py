@@ -124,6 +124,11 @@ CAMERAS = {
         light="moon = { zenith_deg = 40.0, azimuth_deg = 150.0, phase_angle_deg = 20.0, day_of_year = 200 }",
     ),
     "oren_nayar": dict(more=ROUGH, plane=ROUGH_GROUND, samples="samples = { grid = [3, 4] }"),
+    "band_truth": dict(
+        tolerance=0.02,
+        bounces=2,
+        instrument='band_truth = ["parts", "irradiance", "reflectance", "emissivity", "transmission"]',
+    ),
     "nodes": dict(tolerance=0.0005, pose=FRAME.replace("roll_deg = 1.0", "roll_deg = 35.0")),
 }
 LIDAR = (

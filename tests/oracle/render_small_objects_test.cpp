@@ -10,6 +10,7 @@
 #include <random>
 
 #include "atmos_tables/synthetic.h"
+#include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
 #include "host/sensors/small_objects.h"
 #include "tests/support/render_kit.h"
@@ -21,7 +22,7 @@ using namespace raycube;
 using raycube::test::same_bytes;
 
 constexpr double kGround = 0.2, kPlate = 0.9, kSky = 40, kHeight_m = 0.001;
-constexpr int kFirstAbundance = 12;  ///< layer of the first material: the fixed ones come before
+constexpr int kFirstAbundance = raycube::render::truth::abundance;  ///< layer of the first material
 enum class Carrier { own_meshes, one_mesh, placements };
 
 struct Plate {

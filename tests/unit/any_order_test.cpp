@@ -39,7 +39,8 @@ scene::Simulation simulation_of(const std::string& interleave, std::optional<dou
   for (int b = 0; b < kBands; ++b) centers.push_back(0.45 + 0.01 * b);
   camera.bands = test::gaussian_bands(centers, 0.01);
   camera.interleave = interleave, camera.integer_scale = integer_scale;
-  camera.write_exr = camera.write_png = camera.write_band_transmission = true;
+  camera.write_exr = camera.write_png = true;
+  camera.band_truth = {raycube::scene::BandTruth::transmission};
   camera.standard_error = scene::StandardError::bands;
   simulation.instruments = {camera};
   return simulation;

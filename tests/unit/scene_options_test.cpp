@@ -62,6 +62,9 @@ TEST_CASE("JSON schema: parses, names every key, its ranges and defaults") {
   CHECK(instrument["additionalProperties"] == false);
   CHECK(instrument["properties"]["kind"]["enum"] == nlohmann::json::array({"framing", "whiskbroom", "pushbroom"}));
   CHECK(instrument["properties"]["position_m"]["minItems"] == 3);
+  const auto& truth = instrument["properties"]["band_truth"]["items"]["enum"];
+  CHECK(truth.size() == 1 + std::size(raycube::scene::kBandTruth));
+  CHECK(truth[0] == "parts");
   CHECK(instrument["properties"]["bands"]["anyOf"][1]["properties"]["count"]["minimum"] == 1);
   std::size_t keys = 0;
   const std::function<void(const nlohmann::json&)> walk = [&](const nlohmann::json& node) {

@@ -1,0 +1,138 @@
+#include "host/plan/band_truth.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "host/plan/curve.h"
+#include "kernels/shared/product_key.h"
+#include "scene_compiler/matter.h"
+
+namespace raycube::plan {
+
+scene::BandTruth light_kind(const Plan& plan, std::uint64_t key, int channel) {
+  using enum scene::BandTruth;
+  if (key == 0) return path;
+  if ((key & kSkeletonKey) == kSkeletonKey) return between_surfaces;
+  if (key & kEnvironmentKey) return ground_around;
+  const int source = channel / (plan.height.count * plan.view.count), component = source - plan.first_component();
+  if (component < 0) return sun;
+  if (source >= plan.first_emission()) return emission;
+  if (component < plan.sky_components) return sky;
+  return component + 1 < plan.components() ? thermal_sky : surroundings;
+}
+
+bool has_part(const Plan& plan, scene::BandTruth part) {
+  using enum scene::BandTruth;
+  switch (part) {
+    case path:
+      return true;
+    case ground_around:
+      return !plan.environment.empty();
+    case sun:
+      return plan.sun_sources > 0;
+    case sky:
+      return plan.sky_components > 0;
+    case thermal_sky:
+      return plan.thermal.on && plan.thermal.sky_components > 0;
+    case surroundings:
+    case emission:
+      return plan.thermal.on;
+    case between_surfaces:
+      return plan.bounces.any();
+    default:
+      return false;
+  }
+}
+
+std::vector<scene::BandTruth> truth_columns(const Plan& plan, const scene::Instrument& instrument) {
+  std::vector<scene::BandTruth> out;
+  for (std::size_t i = 0; i < std::size(scene::kBandTruth); ++i) {
+    const auto truth = static_cast<scene::BandTruth>(i);
+    if (scene::kBandTruth[i].kind == scene::BandTruthKind::way) continue;
+    if (instrument.asks_for(truth) || (instrument.all_parts && has_part(plan, truth))) out.push_back(truth);
+  }
+  return out;
+}
+
+namespace {
+
+/// What a spectrum on the grid is in each band.
+std::vector<float> in_bands(const Plan& plan, const std::function<double(std::size_t)>& spectrum) {
+  std::vector<float> out;
+  for (const BandQuadrature& band : plan.bands) {
+    double sum = 0;
+    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * spectrum(band.first + i);
+    out.push_back(static_cast<float>(sum));
+  }
+  return out;
+}
+
+/// A material's curve on the grid; zeros without one.
+std::vector<double> on_grid(const Plan& plan, const scene::CompiledScene& scene, std::uint32_t curve) {
+  if (!scene::carries_light(scene, curve)) return std::vector<double>(plan.wavelength_um.size(), 0.0);
+  const scene::Material& owner = scene.materials[scene::material_of_curve(scene, curve)];
+  return sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um);
+}
+
+/// Columns of a cube of truth in a row.
+class Columns {
+ public:
+  Columns(const Plan& plan, std::size_t cube, std::size_t padded, std::vector<float>& row)
+      : bands_(plan.bands.size()), first_((1 + cube) * bands_), padded_(padded), row_(row) {}
+
+  void copy_radiance(std::size_t channel) {
+    std::copy_n(row_.begin() + at(channel, 0), bands_, row_.begin() + at(channel, first_));
+  }
+  void put(std::size_t channel, const std::vector<float>& values) {
+    std::copy(values.begin(), values.end(), row_.begin() + at(channel, first_));
+  }
+
+ private:
+  std::ptrdiff_t at(std::size_t channel, std::size_t column) const {
+    return static_cast<std::ptrdiff_t>(channel * padded_ + column);
+  }
+  std::size_t bands_, first_, padded_;
+  std::vector<float>& row_;
+};
+
+/// Of a material's light on the side that is seen: what falls onto it.
+void put_irradiance(const Plan& plan, Columns& columns) {
+  const auto views = static_cast<std::size_t>(plan.view.count);
+  for (std::size_t c = 0; c < plan.incident_spectrum.size(); ++c) {
+    const auto values = in_bands(plan, [&](std::size_t i) { return plan.incident_spectrum[c][i]; });
+    for (std::size_t v = 0; v < views; ++v) columns.put(c * views + v, values);
+  }
+}
+
+}  // namespace
+
+void bake_truth(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key, std::size_t padded,
+                std::vector<float>& row) {
+  using enum scene::BandTruth;
+  const bool product = key != 0 && (key & kEnvironmentKey) == 0;
+  const bool seen =
+      product && rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == RC_CURVE_REFLECTANCE;
+  const std::size_t channels = row.size() / padded - (product ? 1 : 0);
+  const auto coverage = static_cast<std::size_t>(plan.coverage_channel());
+  const auto curve = [&](auto&& curve_of_material) {
+    return on_grid(plan, scene, curve_of_material(scene, scene::material_of_curve(scene, rc_key_curve(key, 0))));
+  };
+  for (std::size_t cube = 0; cube < plan.truth.size(); ++cube) {
+    Columns columns(plan, cube, padded, row);
+    const scene::BandTruth truth = plan.truth[cube];
+    if (scene::band_truth_entry(truth).kind == scene::BandTruthKind::part) {
+      for (std::size_t c = 0; c < channels; ++c)
+        if (light_kind(plan, key, static_cast<int>(c)) == truth) columns.copy_radiance(c);
+    } else if (seen && truth == irradiance) {
+      put_irradiance(plan, columns);
+    } else if (seen && truth == reflectance) {
+      const auto reflected = curve(scene::reflectance_curve);
+      columns.put(coverage, in_bands(plan, [&](std::size_t i) { return reflected[i]; }));
+    } else if (seen && truth == emissivity) {
+      const auto reflected = curve(scene::reflectance_curve), through = curve(scene::transmittance_curve);
+      columns.put(coverage, in_bands(plan, [&](std::size_t i) { return 1 - reflected[i] - through[i]; }));
+    }
+  }
+}
+
+}  // namespace raycube::plan
