@@ -3,6 +3,7 @@
 // Georeferenced doubles end here. Whose a triangle is, the user's placement, mesh and face, only owner.h says.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -22,8 +23,13 @@ struct Curve {
 /// A scattering shape of kernels/materials/materials.def and its parameters, in the order of its entry.
 struct Shape {
   std::uint32_t number = RC_SHAPE_none;
-  std::array<double, 2> parameter{};
+  std::array<double, 6> parameter{};
   bool operator==(const Shape&) const = default;
+  RcParameters parameters() const {
+    RcParameters out;
+    std::copy(parameter.begin(), parameter.end(), out.of);
+    return out;
+  }
 };
 
 /// A named material: curves that it owns (ids: kernels/shared/product_key.h), and how it scatters.

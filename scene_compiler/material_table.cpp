@@ -1,11 +1,14 @@
 #include "scene_compiler/material_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/leaf_optics.h"
+#include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
 #include "scene_compiler/spectrum_file.h"
 
@@ -137,6 +140,25 @@ std::optional<Shape> read_shape(const Record& record, const ShapeEntry& entry) {
   return out;
 }
 
+/// Refuses a shape that sends more light back than comes, of a material whose curves are known.
+void check_energy(const Record& record, const Material& material, Problems& problems) {
+  const auto& reflected = material.reflectance.value;
+  const auto& through = material.transmittance.value;
+  const MostAlbedo most = most_albedo(material.front);
+  for (std::size_t i = 0; i < reflected.size(); ++i) {
+    const double sent = reflected[i] * most.albedo, passed = i < through.size() ? through[i] : 0;
+    if (sent + passed <= 1) continue;
+    const std::string name(shape_entry(material.front.number).name);
+    problems.add(
+        record.place(name), "more light would leave than comes",
+        fmt::format("albedo {:.3g}{} at {:.6g} nm of light from {:g} degrees off the normal, reflectance {:.4g}", sent,
+                    passed > 0 ? fmt::format(" and transmittance {:.3g}", passed) : "",
+                    1000 * material.reflectance.wavelength_um[i], most.zenith_deg, reflected[i]),
+        fmt::format("the shape sends {:.3g} times the reflectance: lower that, or give another {}", most.albedo, name));
+    return;
+  }
+}
+
 /// How its reflectance is spread over directions: by one shape of those with a table, else by Lambert's law.
 void read_front(const Record& record, Material& out, Problems& problems) {
   for (const ShapeEntry& entry : shape_entries()) {
@@ -147,6 +169,7 @@ void read_front(const Record& record, Material& out, Problems& problems) {
                    std::string(shape_entry(out.front.number).name) + " and " + std::string(entry.name), "remove one");
     if (shape) out.front = *shape;
   }
+  if (!shape_entry(out.front.number).conserves) check_energy(record, out, problems);
 }
 
 /// The way of transmitted light, and gloss.

@@ -19,8 +19,9 @@ struct ShapeEntry {
   std::string_view name;
   ShapeRole role;
   bool reciprocal;
+  bool conserves;  ///< energy, by itself
   std::string_view text;
-  std::vector<ShapeParameter> parameters;  ///< at most two
+  std::vector<ShapeParameter> parameters;  ///< at most six
   bool table = false;                      ///< a material's table of its name asks for it
 };
 

@@ -126,8 +126,7 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
 double spread(const scene::Shape& shape, const Vec3& normal, const Vec3& in, const Vec3& out) {
   if (shape.number == RC_SHAPE_lambert) return 1;
   const auto local = [](const Vec3& v) { return RcLocal{v[0], v[1], v[2]}; };
-  return rc_shape_eval(shape.number, M_PI, shape.parameter[0], shape.parameter[1],
-                       rc_angles(local(normal), local(in), local(out)));
+  return rc_shape_eval(shape.number, M_PI, shape.parameters(), rc_angles(local(normal), local(in), local(out)));
 }
 
 /// Distances from each echo within which a surface's return explains it: the recorded pulse's width and a bin.

@@ -1,9 +1,18 @@
 #include "host/plan/band_truth.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
+#include <memory>
 
+#include "host/plan/baked_rows.h"
+#include "host/plan/band_space.h"
 #include "host/plan/curve.h"
+#include "host/plan/node_choice.h"
+#include "host/plan/sky_factors.h"
+#include "host/plan/table_spectra.h"
+#include "host/plan/thermal_plan.h"
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/matter.h"
 
@@ -98,13 +107,55 @@ class Columns {
 /// Of a material's light on the side that is seen: what falls onto it.
 void put_irradiance(const Plan& plan, Columns& columns) {
   const auto views = static_cast<std::size_t>(plan.view.count);
-  for (std::size_t c = 0; c < plan.incident_spectrum.size(); ++c) {
-    const auto values = in_bands(plan, [&](std::size_t i) { return plan.incident_spectrum[c][i]; });
-    for (std::size_t v = 0; v < views; ++v) columns.put(c * views + v, values);
-  }
+  for (std::size_t c = 0; c < plan.incident.size(); ++c)
+    for (std::size_t v = 0; v < views; ++v) columns.put(c * views + v, plan.incident[c]);
 }
 
 }  // namespace
+
+void fill_incident(Plan& plan, const TableSpectra& air, const BandSpace& bands, const PlannedSkies& skies,
+                   const std::vector<double>& grid_um, int threads) {
+  const auto heights = static_cast<std::size_t>(plan.height.count);
+  plan.incident_spectrum.resize(static_cast<std::size_t>(plan.first_emission()) * heights);
+  for (std::size_t h = 0; h < heights; ++h) {
+    const double z = node_position(plan.height, static_cast<int>(h));
+    std::size_t source = 0;
+    const auto add = [&](std::vector<double> spectrum) {
+      plan.incident_spectrum[source++ * heights + h] = std::move(spectrum);
+    };
+    if (plan.sun_sources > 0) add(bands.to_grid(air.sun(z)));
+    const SkySpectra solar = sky_spectra(skies.solar, air, z, nullptr, threads);
+    for (int m = 0; m < plan.sky_components; ++m) add(bands.to_grid(solar[static_cast<std::size_t>(m)]));
+    if (!plan.thermal.on) continue;
+    const SkySpectra warm = sky_spectra(skies.thermal, air, z, nullptr, threads);
+    for (int m = 0; m < plan.thermal.sky_components; ++m) add(bands.to_grid(warm[static_cast<std::size_t>(m)]));
+    add(planck_spectrum(grid_um, plan.thermal.surroundings_K));
+  }
+}
+
+void tell_of_missing_truth(Plan& plan, const scene::Instrument& instrument, double sun, double sky) {
+  const bool asked = instrument.all_parts || instrument.asks_for(scene::BandTruth::irradiance) ||
+                     instrument.asks_for(scene::BandTruth::sun) || instrument.asks_for(scene::BandTruth::sky);
+  if (!plan.sun_up) sun = 0;
+  if (!asked || !(sun > 0 || sky > 0)) return;
+  plan.notices.push_back(fmt::format(
+      "instrument '{}': {} left out, {:.2g} % of the radiance beside thermal light: truth per band does not hold it, "
+      "irradiance neither, where it may be more; a smaller tolerance keeps it",
+      instrument.name,
+      sun > 0 && sky > 0 ? "sunlight and skylight are"
+      : sun > 0          ? "sunlight is"
+                         : "skylight is",
+      100 * (sun + sky)));
+}
+
+Plan with_truth(const Plan& plan, const std::vector<scene::BandTruth>& cubes) {
+  Plan out = plan;
+  out.truth = cubes;
+  out.baked = std::make_shared<BakedRows>();
+  for (const auto& spectrum : plan.incident_spectrum)
+    out.incident.push_back(in_bands(plan, [&](std::size_t i) { return spectrum[i]; }));
+  return out;
+}
 
 void bake_truth(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key, std::size_t padded,
                 std::vector<float>& row) {

@@ -8,6 +8,7 @@
 #include "host/base/parallel.h"
 #include "host/plan/curve.h"
 #include "host/plan/ground_rays.h"
+#include "scene_compiler/shape_energy.h"
 
 namespace raycube::plan {
 
@@ -255,6 +256,18 @@ std::array<EnvironmentWeight, 4> environment_at(const EnvironmentMap& map, doubl
            {node(up, right), fx * fy}}};
 }
 
+namespace {
+
+/// What a material sends back of an even sky's light.
+std::vector<double> ground_albedo(const scene::Material& material, const std::vector<double>& wavelength_um) {
+  std::vector<double> out = sample_reflectance(material, wavelength_um);
+  if (const double share = scene::white_sky_albedo(material.front); share != 1)
+    for (double& value : out) value *= share;
+  return out;
+}
+
+}  // namespace
+
 std::vector<double> mean_reflectance(const EnvironmentMap& map, const scene::CompiledScene& scene,
                                      const std::vector<double>& wavelength_um) {
   std::vector<double> out(wavelength_um.size(), 0.0);
@@ -264,7 +277,7 @@ std::vector<double> mean_reflectance(const EnvironmentMap& map, const scene::Com
     std::vector<double> inside = wavelength_um;
     if (!x.empty())
       for (double& l : inside) l = std::clamp(l, x.front(), x.back());
-    const std::vector<double> reflectance = sample_reflectance(scene.materials[c], inside);
+    const std::vector<double> reflectance = ground_albedo(scene.materials[c], inside);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += map.mean[c] * reflectance[i];
   }
   return out;
@@ -275,7 +288,7 @@ void sample_environment(EnvironmentMap& map, const scene::CompiledScene& scene,
   map.reflectance.assign(scene.materials.size(), {});
   for (const auto& part : map.part)
     if (map.reflectance[part.material].empty())
-      map.reflectance[part.material] = sample_reflectance(scene.materials[part.material], wavelength_um);
+      map.reflectance[part.material] = ground_albedo(scene.materials[part.material], wavelength_um);
 }
 
 }  // namespace raycube::plan

@@ -11,6 +11,7 @@
 #include "host/base/units.h"
 #include "host/plan/adjacency.h"
 #include "host/plan/band_space.h"
+#include "host/plan/band_truth.h"
 #include "host/plan/bounces.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/irradiance_map.h"
@@ -379,27 +380,6 @@ void fill_spectra(Plan& plan, const Setting& at, const ChosenSkies& skies) {
   }
 }
 
-/// What falls onto a surface of each source that lights it, at the nodes of height.
-void fill_incident(Plan& plan, const Setting& at, const ChosenSkies& skies) {
-  const BandSpace& bands = at.bands;
-  const auto heights = static_cast<std::size_t>(plan.height.count);
-  plan.incident_spectrum.resize(static_cast<std::size_t>(plan.first_emission()) * heights);
-  for (std::size_t h = 0; h < heights; ++h) {
-    const double z = node_position(plan.height, static_cast<int>(h));
-    std::size_t source = 0;
-    const auto add = [&](std::vector<double> spectrum) {
-      plan.incident_spectrum[source++ * heights + h] = std::move(spectrum);
-    };
-    if (plan.sun_sources > 0) add(bands.to_grid(at.air.sun(z)));
-    const SkySpectra solar = sky_spectra(skies.solar, at.air, z, nullptr, at.threads);
-    for (int m = 0; m < plan.sky_components; ++m) add(bands.to_grid(solar[static_cast<std::size_t>(m)]));
-    if (!plan.thermal.on) continue;
-    const SkySpectra warm = sky_spectra(skies.thermal, at.air, z, nullptr, at.threads);
-    for (int m = 0; m < plan.thermal.sky_components; ++m) add(bands.to_grid(warm[static_cast<std::size_t>(m)]));
-    add(planck_spectrum(at.spectral.wavelength_um, plan.thermal.surroundings_K));
-  }
-}
-
 void fill_report(Plan& plan, const Setting& at, const Light& light, const Levels& levels, const Chosen& chosen,
                  double map_error) {
   const NodeChoice& choice = chosen.nodes;
@@ -478,7 +458,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
 
   const ChosenSkies skies = take_choice(plan, setting, light, levels, chosen.nodes);
   fill_spectra(plan, setting, skies);
-  if (instrument.asks_for(scene::BandTruth::irradiance)) fill_incident(plan, setting, skies);
+  if (instrument.asks_for(scene::BandTruth::irradiance))
+    fill_incident(plan, air, bands, {skies.solar, skies.thermal}, spectral.wavelength_um, threads);
   if (!plan.environment.empty()) add_environment_spectra(plan, simulation, air, bands, covered, spectral.wavelength_um);
   double map_error = 0;
   if (plan.sky_components > 0)
@@ -489,6 +470,9 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
 
   fill_report(plan, setting, light, levels, chosen, map_error);
   compare_with_flux_row(plan, setting, light.sky);
+  if (light.thermal.on)
+    tell_of_missing_truth(plan, instrument, levels.errors.sun_sources > 0 ? 0 : levels.solar.sun,
+                          levels.skylight ? 0 : levels.solar.sky);
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);
   plan.report.bounces.open = !simulation.bounces_given && instrument.auto_bounces;

@@ -7,6 +7,8 @@
 #include "atmos_tables/interpolate.h"
 #include "host/base/planck.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/shape_energy.h"
+#include "scene_compiler/shape_list.h"
 
 namespace raycube::plan {
 
@@ -68,6 +70,18 @@ double largest_gloss(const scene::CompiledScene& scene) {
   return most;
 }
 
+/// How many times white paint's radiance goes into the brightest direction of any used material's shape, 1 at least.
+double largest_front(const scene::CompiledScene& scene) {
+  double most = 1;
+  for (const auto index : scene::used_families(scene)) {
+    const scene::Material& material = scene.materials[index];
+    if (scene::shape_entry(material.front.number).conserves || material.reflectance.value.empty()) continue;
+    const double largest = *std::max_element(material.reflectance.value.begin(), material.reflectance.value.end());
+    most = std::max(most, largest * scene::brightest_direction(material.front));
+  }
+  return most;
+}
+
 }  // namespace
 
 std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene& scene,
@@ -77,9 +91,9 @@ std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene&
     const auto e0 =
         atmos::resample_linear(atmos::wavelengths(table), atmos::solar_irradiance(table), plan.wavelength_um);
     const std::vector<double> back = largest_return(plan, table);
-    const double mirrored = largest_gloss(scene);
+    const double mirrored = largest_gloss(scene), front = largest_front(scene);
     for (std::size_t i = 0; i < limit.size(); ++i)
-      limit[i] += (1 + mirrored) * e0[i] / (std::numbers::pi * (1 - back[i]));
+      limit[i] += (front + mirrored) * e0[i] / (std::numbers::pi * (1 - back[i]));
   }
   for (std::size_t i = 0; i < limit.size(); ++i) {
     double brightest = 0;

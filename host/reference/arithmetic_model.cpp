@@ -80,6 +80,7 @@ std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double no
 
 ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, OpenSky open)
     : scene_(scene), plan_(plan), open_(std::move(open)), curve_(curves_on(scene, plan.wavelength_um)) {
+  if (!plan.environment.empty()) ground_ = ground_albedos(scene, plan.wavelength_um);
   if (open_) return;
   open_ = [&plan](const glm::dvec3& normal) {
     std::array<double, 8> irradiance{};
@@ -207,7 +208,7 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
   BandRadiance out{band_values(plan_, spectra.sun),      band_values(plan_, spectra.sky),
                    band_values(plan_, spectra.path),     {},
                    band_values(plan_, spectra.emission), band_values(plan_, spectra.surroundings)};
-  if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, curve_));
+  if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, ground_));
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "host/reference/spread.h"
 #include "kernels/sampling/sampler.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/shape_energy.h"
 
 namespace raycube::reference {
 
@@ -57,9 +58,10 @@ BouncedLight::BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, 
   if (plan.environment.empty()) return;
   ground_.assign(plan.wavelength_um.size(), 0.0);
   for (std::size_t m = 0; m < plan.environment.mean.size(); ++m) {
+    if (!(plan.environment.mean[m] > 0)) continue;
     const Spectrum& reflectance = curve_[scene::reflectance_curve(scene.compiled, m) - 1];
-    for (std::size_t i = 0; plan.environment.mean[m] > 0 && i < ground_.size(); ++i)
-      ground_[i] += plan.environment.mean[m] * reflectance[i];
+    const double share = plan.environment.mean[m] * scene::white_sky_albedo(scene.compiled.materials[m].front);
+    for (std::size_t i = 0; i < ground_.size(); ++i) ground_[i] += share * reflectance[i];
   }
   for (int a = 0; a < kOpenSteps; ++a)
     for (int b = 0; b < kOpenSteps; ++b) {

@@ -8,6 +8,7 @@
 #include "atmos_tables/interpolate.h"
 #include "host/reference/radiance.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/shape_energy.h"
 #include "host/base/units.h"
 
 namespace raycube::reference {
@@ -25,6 +26,14 @@ constexpr int kMeanPoints = 192;  ///< along a side of the region that the mean 
 constexpr int kPlaces = 1024;     ///< around a pixel, for each environment function
 
 }  // namespace
+
+Reflectances ground_albedos(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um) {
+  Reflectances out = curves_on(scene, wavelength_um);
+  out.resize(scene.materials.size());
+  for (std::size_t m = 0; m < out.size(); ++m)
+    for (const double share = scene::white_sky_albedo(scene.materials[m].front); double& value : out[m]) value *= share;
+  return out;
+}
 
 glm::dvec3 ground_point(const SampledPixel& pixel, const plan::Plan& plan) {
   glm::dvec3 sum(0);
@@ -77,7 +86,10 @@ std::vector<double> environment_light(const SampledPixel& pixel, const plan::Pla
 }
 
 EnvironmentModel::EnvironmentModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table)
-    : scene_(scene), plan_(plan), table_(table), reflectance_(curves_on(scene.compiled, atmos::wavelengths(table))) {
+    : scene_(scene),
+      plan_(plan),
+      table_(table),
+      reflectance_(ground_albedos(scene.compiled, atmos::wavelengths(table))) {
   const auto& lo = plan.environment.mean_lo_m;
   const auto& hi = plan.environment.mean_hi_m;
   mean_.assign(atmos::wavelengths(table).size(), 0.0);

@@ -13,11 +13,14 @@ namespace raycube::reference {
 /// [material][wavelength]
 using Reflectances = std::vector<std::vector<double>>;
 
+/// What materials send back of an even sky's light: as the ground around they know no angles.
+Reflectances ground_albedos(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um);
+
 /// Where a pixel looks: the mean of its samples' points; where its centre ray meets the plan's lowest height when none
 /// hits.
 glm::dvec3 ground_point(const SampledPixel& pixel, const plan::Plan& plan);
 
-/// Arithmetic form: spectrum on the plan's grid, from the plan's nodes. reflectance: on that grid.
+/// Arithmetic form: spectrum on the plan's grid, from the plan's nodes. reflectance: ground_albedos on that grid.
 std::vector<double> environment_light(const SampledPixel& pixel, const plan::Plan& plan,
                                       const Reflectances& reflectance);
 
@@ -42,7 +45,7 @@ class EnvironmentModel {
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   const atmos::RenderTable& table_;
-  Reflectances reflectance_;  ///< on the table's wavelengths; other curves follow (curves_on)
+  Reflectances reflectance_;  ///< ground_albedos on the table's wavelengths
   std::vector<double> mean_;
 };
 

@@ -25,7 +25,7 @@ double segment(double y) {
 RcLocal local(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 double eval(const scene::Shape& shape, const RcAngles& angles) {
-  return rc_shape_eval(shape.number, 1, shape.parameter[0], shape.parameter[1], angles);
+  return rc_shape_eval(shape.number, 1, shape.parameters(), angles);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ RcLocal draw_direction(const scene::CompiledScene& scene, std::uint32_t surface,
                        double u, double v) {
   const scene::Material& material = scene.materials[scene.surfaces[surface].material[0] - 1];
   const scene::Shape shape = front ? material.front : scene::Shape{RC_SHAPE_leaf};
-  return rc_shape_sample(shape.number, shape.parameter[0], shape.parameter[1], in, u, v);
+  return rc_shape_sample(shape.number, shape.parameters(), in, u, v);
 }
 
 double drawn_weight(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
@@ -103,8 +103,7 @@ double drawn_weight(const scene::CompiledScene& scene, std::uint32_t surface, co
   const scene::Shape shape = scene.materials[scene.surfaces[surface].material[0] - 1].front;
   if (shape.number == RC_SHAPE_lambert) return 1;
   const RcAngles angles = rc_angles(local(normal), local(in), local(out));
-  return eval(shape, angles) * angles.cos_out /
-         rc_shape_pdf(shape.number, shape.parameter[0], shape.parameter[1], angles);
+  return eval(shape, angles) * angles.cos_out / rc_shape_pdf(shape.number, shape.parameters(), angles);
 }
 
 }  // namespace raycube::reference

@@ -102,7 +102,8 @@ class ArithmeticModel {
   const scene::CompiledScene& scene_;
   const plan::Plan& plan_;
   OpenSky open_;
-  std::vector<std::vector<double>> curve_;  ///< [curve - 1][grid], curves_on
+  std::vector<std::vector<double>> curve_;   ///< [curve - 1][grid], curves_on
+  std::vector<std::vector<double>> ground_;  ///< [material][grid], ground_albedos
 };
 
 /// How a pixel's samples share the sky directions of the model form: each looks into `per_sample` of them, evenly

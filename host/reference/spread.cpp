@@ -18,7 +18,7 @@ double spread(const scene::CompiledScene& scene, const Sample& sample, const glm
   const glm::dvec3 viewer =
       -glm::normalize(glm::dvec3(sample.ray.direction[0], sample.ray.direction[1], sample.ray.direction[2]));
   const auto local = [](const glm::dvec3& v) { return RcLocal{v.x, v.y, v.z}; };
-  return rc_shape_eval(shape.number, std::numbers::pi, shape.parameter[0], shape.parameter[1],
+  return rc_shape_eval(shape.number, std::numbers::pi, shape.parameters(),
                        rc_angles(local(sample.normal), local(direction), local(viewer)));
 }
 

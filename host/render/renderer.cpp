@@ -301,6 +301,7 @@ void Renderer::add_replicates(const scene::Instrument& given, const plan::Plan& 
   const base::Doing doing("rendering instrument", given.name);
   const auto start = std::chrono::steady_clock::now();
   const double processor_before_s = base::processor_seconds();
+  if (!plan.truth.empty()) throw base::Error(base::Fault::bug, "replicates of a trial have no truth per band");
   scene::Instrument instrument = given;
   instrument.small_objects = scene::SmallObjects::off;
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
@@ -388,7 +389,7 @@ void Renderer::probe_together(const scene::Instrument& instrument, const plan::P
   together.each_lot([&](const TileRays& rays, std::size_t first, std::size_t end) {
     PixelProbe lot;
     lot.tile = {0, static_cast<int>(rays.layout.lines), 0, static_cast<int>(rays.layout.columns)};
-    lot.radiance.resize(rays.pixels() * instrument.bands.size());
+    lot.radiance.resize(rays.pixels() * plan.columns());
     lot.truth.resize(rays.pixels() * layers);
     passes.run_listed(rays, {lot.radiance.data(), lot.truth.data(), layers, nullptr}, &lot);
     std::size_t group = 0;
@@ -405,8 +406,7 @@ std::vector<std::vector<float>> Renderer::draws_of(const scene::Instrument& inst
   const base::Doing doing("rendering tiles of instrument", instrument.name);
   const TilesTogether together(*state_, instrument, plan, sun, 0, tiles);
   TilePasses passes = together.passes();
-  const std::size_t layers = truth_layer_names(state_->scene).size(), width = together.width(),
-                    bands = instrument.bands.size();
+  const std::size_t layers = truth_layer_names(state_->scene).size(), width = together.width(), bands = plan.columns();
   std::vector<std::vector<float>> out(draws.size());
   std::vector<float> radiance, truth;
   together.each_lot([&](const TileRays& rays, std::size_t first, std::size_t end) {

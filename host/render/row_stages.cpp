@@ -97,6 +97,7 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
                                   .open_share = open_share_,
                                   .blocks = scene_.blocks,
                                   .surfaces = scene_.surfaces,
+                                  .lobes = scene_.lobes,
                                   .chunk_weight = sample_weight_,
                                   .sample_total = static_cast<float>(weights_.count()),
                                   .sun_direction = shared::rc_float4{s[0], s[1], s[2], 0},

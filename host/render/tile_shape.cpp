@@ -137,11 +137,11 @@ void require_memory(const StageShape& shape, const LeastMemory& least, int pixel
                                  "(small_objects = \"off\" spares these)"
                            : rows >= group ? "the band-table rows of one pixel"
                                            : "one group of pixels";
-  throw base::Error(
-      base::Fault::input,
-      std::string("--memory is too small for ") + what + ": need " + std::to_string(need) + " bytes, found " +
-          std::to_string(memory_bytes) +
-          "; raise --memory, or lower the samples per pixel, the number of bands or the pixels of a line");
+  throw base::Error(base::Fault::input, std::string("--memory is too small for ") + what + ": need " +
+                                            std::to_string(need) + " bytes, found " + std::to_string(memory_bytes) +
+                                            "; raise --memory, or lower the samples per pixel, the number of bands "
+                                            "(band_truth adds as many for each of its "
+                                            "cubes) or the pixels of a line");
 }
 
 TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity,

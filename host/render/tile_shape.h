@@ -108,7 +108,7 @@ inline constexpr std::size_t kFewestRows = 261;
 /// What a render must hold at once whatever the budget.
 struct LeastMemory {
   std::size_t strip_values =
-      0;  ///< floats of a pixel on its way out: bands (twice with their standard errors) and truth layers
+      0;  ///< floats of a pixel on its way out: columns (twice with their standard errors) and truth layers
   std::size_t table_rows = 0;  ///< the band table's: kFewestRows, or all there can be
   std::size_t more_bytes = 0;  ///< of a pixel on the device, beside the shape's
   std::size_t fine_bytes = 0;  ///< of the pixels of small objects, beside the band table's rows

@@ -180,7 +180,7 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
   if (shape.sky_shadows && setup_.plan.components() > 0)
     statistics_.sky_rays += static_cast<std::uint64_t>(hit * setup_.plan.sky.rays);
   statistics_.paths += static_cast<std::uint64_t>(hit * setup_.plan.paths());
-  statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
+  statistics_.band_samples += static_cast<std::uint64_t>(pixels) * setup_.plan.bands.size();
 }
 
 std::vector<std::uint32_t> TileWorker::finish_all(RowBuffers& rows, const std::vector<std::uint32_t>& pixels,

@@ -28,11 +28,10 @@ struct RenderSetup {
 
 /// What becomes of a tile: arrays of the caller's, pixels in line order.
 struct TileOutput {
-  float* radiance = nullptr;  ///< [pixel][band]
+  float* radiance = nullptr;  ///< [pixel][column]: bands, then truth per band (plan::Plan::columns)
   float* truth = nullptr;     ///< [pixel][layers]; the layers of truth_layer_names(scene) are filled
   std::size_t layers = 0;
-  float* band_error =
-      nullptr;  ///< [pixel][band], standard error of the radiance (standard_error.h); NaN: not known. Or not wanted
+  float* band_error = nullptr;  ///< [pixel][column], standard error (standard_error.h); NaN: not known. Or not wanted
   PixelTerms* terms = nullptr;  ///< [pixel], what the radiance is the sum of, in its order. Or not wanted
 };
 

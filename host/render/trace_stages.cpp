@@ -162,6 +162,7 @@ struct TraceStages::State {
         TraceSkyArguments{.nodes = buffers.nodes,
                           .blocks = buffers.blocks,
                           .instances = buffers.instances,
+                          .lobes = buffers.lobes,
                           .groups = traced.groups,
                           .hits = traced.hits,
                           .surface = traced.surface,

@@ -10,6 +10,7 @@
 #include "host/base/timing.h"
 #include "host/run/air_table.h"
 #include "host/plan/baked_rows.h"
+#include "host/plan/band_truth.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
 #include "host/planner/bounce_choice.h"
@@ -68,16 +69,16 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   services.log.set_status(instrument.name + ": planning samples and sky directions");
   job.plan.baked = std::make_shared<plan::BakedRows>();
-  const auto load_programs = [&] {
+  const auto load_programs = [&](const scene::Instrument& launched, const plan::Plan& plan) {
     const auto loading = std::chrono::steady_clock::now();
     const double processor_s = base::processor_seconds();
-    planning.renderer->load_programs(planner::first_launched(simulation, instrument, job.plan), job.plan);
+    planning.renderer->load_programs(launched, plan);
     job.kernels_s += base::seconds_since(loading), kernels_processor_s += base::processor_seconds() - processor_s;
   };
-  if (planning.renderer && (job.plan.sends_rays() || !planning.replay))
-    load_programs();  // else the render loads its own
+  const auto load_first = [&] { load_programs(planner::first_launched(simulation, instrument, job.plan), job.plan); };
+  if (planning.renderer && (job.plan.sends_rays() || !planning.replay)) load_first();  // else the render loads its own
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
-  if (planning.renderer && planner::choose_bounces(simulation, job.plan)) load_programs();
+  if (planning.renderer && planner::choose_bounces(simulation, job.plan)) load_first();
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation,
@@ -92,6 +93,10 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   }
   planner::add_small_objects(job.decision, instrument, small.get());
   planner::apply(job.decision, *planned, job.plan);
+  if (!plan::truth_columns(job.plan, instrument).empty()) {
+    job.decision.image.reset();  // it has no truth per band
+    if (planning.renderer) load_programs(*planned, *render_plan(job));
+  }
   services.log.set_status("");
   for (const auto& notice : job.plan.notices) services.log.warning(notice);
   for (const auto& note : job.decision.notes) services.log.warning(note);
@@ -103,6 +108,12 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
                       std::to_string(job.plan_s) + " s");
   services.log.debug(plan_json(job).dump(2));
   return job;
+}
+
+std::shared_ptr<const plan::Plan> render_plan(const CameraJob& job) {
+  const auto cubes = plan::truth_columns(job.plan, *job.instrument);
+  if (cubes.empty()) return {std::shared_ptr<void>(), &job.plan};
+  return std::make_shared<plan::Plan>(plan::with_truth(job.plan, cubes));
 }
 
 nlohmann::json plan_json(const CameraJob& job) {

@@ -51,6 +51,10 @@ AirRequest air_request(const scene::Simulation& simulation, const scene::Instrum
 CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instrument& instrument, Services& services,
                          const Planning& planning = {});
 
+/// The plan that a render goes by: with the truth per band that the instrument asks for. Outlives the job's only where
+/// there is some.
+std::shared_ptr<const plan::Plan> render_plan(const CameraJob& job);
+
 /// The plan with the planner's decision, for a file.
 nlohmann::json plan_json(const CameraJob& job);
 

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <optional>
 
-#include "host/plan/band_truth.h"
 #include "host/render/tile_passes.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
@@ -16,9 +15,10 @@ namespace raycube::run {
 CameraForecast forecast_camera(const scene::CompiledScene& scene, const CameraJob& job,
                                const render::RenderOptions& options, std::size_t tile_samples) {
   const auto& instrument = *job.instrument;
-  const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
+  const auto plan = render_plan(job);
+  const auto shape = render::make_stage_shape(instrument, *plan, sensors::pixels_per_group(instrument));
   const std::size_t capacity = render::row_capacity_of(shape, options.row_capacity);
-  const render::LeastMemory least = render::least_memory(scene, instrument, job.plan, capacity);
+  const render::LeastMemory least = render::least_memory(scene, instrument, *plan, capacity);
   render::require_memory(shape, least, instrument.pixels, capacity, options.memory_bytes);
   const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, capacity,
                                              options.memory_bytes / render::kBudgetShares, tile_samples,
@@ -39,8 +39,7 @@ CameraForecast forecast_camera(const scene::CompiledScene& scene, const CameraJo
   forecast.baked_rows_bytes = options.memory_bytes / render::kBudgetShares;
   forecast.cube_bytes = pixels * instrument.bands.size() * (instrument.integer_scale ? 2 : sizeof(float));
   forecast.truth_bytes = pixels * layers * sizeof(float);
-  const std::size_t cubes = plan::truth_columns(job.plan, instrument).size() +
-                            (instrument.asks_for(scene::BandTruth::transmission) ? 1 : 0);
+  const std::size_t cubes = plan->truth.size() + (instrument.asks_for(scene::BandTruth::transmission) ? 1 : 0);
   forecast.truth_bytes += pixels * cubes * instrument.bands.size() * sizeof(float);
   return forecast;
 }
@@ -56,7 +55,7 @@ double estimate_render_s(render::Renderer& renderer, const scene::Simulation& si
     tiles.push_back({static_cast<int>((2 * k + 1) * std::int64_t(instrument.lines) / (2 * kLines)), 1, first, columns});
   std::optional<std::chrono::steady_clock::time_point> start;
   double seconds = 0;
-  renderer.probe(instrument, job.plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe&) {
+  renderer.probe(instrument, *render_plan(job), simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe&) {
     const auto now = std::chrono::steady_clock::now();
     if (start)
       seconds = std::chrono::duration<double>(now - *start).count();

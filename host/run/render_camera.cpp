@@ -11,7 +11,6 @@
 #include "host/base/memory.h"
 #include "host/base/timing.h"
 #include "host/cl/device.h"
-#include "host/plan/band_truth.h"
 #include "host/planner/own_error.h"
 #include "host/planner/plan_lines.h"
 #include "host/run/cube_products.h"
@@ -146,30 +145,19 @@ void add_warning(const std::string& text, products::RunRecord& record, Services&
   record.warnings.push_back(text);
 }
 
-/// The plan with what truth per band it is to make beside the radiance.
-plan::Plan with_truth(const CameraJob& job) {
-  plan::Plan out = job.plan;
-  out.truth = plan::truth_columns(job.plan, *job.instrument);
-  out.baked.reset();  // its rows are wider
-  return out;
-}
-
 /// The image into its products, strip by strip.
 render::RenderStatistics render_into(CubeProducts& output, const scene::Simulation& simulation, const CameraJob& job,
-                                     render::Renderer& renderer, const Services& services) {
+                                     const plan::Plan& plan, render::Renderer& renderer, const Services& services) {
   const auto& instrument = *job.instrument;
   const Step step(services, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
   std::uint64_t reported = 0;
-  const bool more = !plan::truth_columns(job.plan, instrument).empty();
-  const auto plan = more ? std::make_optional(with_truth(job)) : std::nullopt;
   return renderer.render(
-      instrument, plan ? *plan : job.plan, simulation.sun, simulation.seed,
-      [&](const render::Strip& strip) { output.add(strip); },
+      instrument, plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) { output.add(strip); },
       [&](std::uint64_t done, std::uint64_t) {
         step.advance(done - reported);
         reported = done;
       },
-      more ? nullptr : job.decision.image.get());  // which has no truth per band
+      job.decision.image.get());
 }
 
 }  // namespace
@@ -180,13 +168,14 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   const auto start = std::chrono::steady_clock::now();
   const double processor_before_s = base::processor_seconds();
   // Refuses a memory that is too small before anything is made.
-  renderer.tile_size(instrument, job.plan, renderer.tuning().tile_samples);
+  const auto plan = render_plan(job);
+  renderer.tile_size(instrument, *plan, renderer.tuning().tile_samples);
   say_what_it_takes(job, services);
   CubeProducts output(destination.folder, destination.if_exists, simulation, job);
-  const auto statistics = render_into(output, simulation, job, renderer, services);
+  const auto statistics = render_into(output, simulation, job, *plan, renderer, services);
   output.complete();
   Took took{base::seconds_since(start), base::processor_seconds() - processor_before_s};
-  if (job.decision.image && plan::truth_columns(job.plan, instrument).empty())  // which the planner rendered
+  if (job.decision.image)  // which the planner rendered
     took.render_s += job.decision.image->render_s, took.processor_s += job.decision.image->processor_s;
 
   products::RunRecord record =

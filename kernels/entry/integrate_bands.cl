@@ -1,6 +1,7 @@
 /* integrate_bands: L[pixel][band] = sum over the pixel's terms of weight * E[row][band], in term order.
  * Reads:  terms of resolve, the band table. Writes: radiance, W m-2 sr-1 um-1. Next: the writer.
- * One work-item per pixel, any local size; bands are padded to a multiple of 16. */
+ * One work-item per pixel, any local size; bands are padded to a multiple of 16. Truth per band is further columns
+ * behind the bands, in units of its own (host/plan/band_truth.h): here they are more bands. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/camera_arguments.h"
 

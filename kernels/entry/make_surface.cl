@@ -22,19 +22,13 @@ static inline void rc_store_viewer(Vector16 direction, global float* out) {
   rc_store16(over * direction.z, 0, out + RC_PLANE(RC_VIEWER_Z));
 }
 
-static inline void rc_store_shape(Lobe lobe, uint k, global float* out) {
-  out[RC_PLANE(RC_LOBE_SHAPE) + k] = as_float(lobe.shape);
-  out[RC_PLANE(RC_LOBE_P0) + k] = lobe.parameter[0];
-  out[RC_PLANE(RC_LOBE_P1) + k] = lobe.parameter[1];
-}
-
 /* Way to the viewer and shape of a word of samples; in: its slots of hits. */
-static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, global const uint* in,
-                                   Vector16 direction, global float* out) {
+static inline void rc_store_shapes(SceneArrays scene, global const uint* in, Vector16 direction, global float* out) {
   rc_store_viewer(direction, out);
   for (uint k = 0; k < 16u; ++k) {
-    const uint surface = in[k] == RC_NONE ? 0u : rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]);
-    rc_store_shape(lobes[surface * RC_LOBES], k, out);
+    uint at = 0u;
+    if (in[k] != RC_NONE) at = 1u + rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBES;
+    out[RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
   }
 }
 #endif
@@ -48,13 +42,13 @@ static inline void rc_store_gloss(SceneArrays scene, global const Lobe* lobes, g
   uint glossy = 0;
   rc_store_viewer(direction, out);
   for (uint k = 0; k < 16u; ++k) {
-    Lobe gloss = {RC_SHAPE_lambert, 0.0f, {0.0f, 0.0f}};
+    uint at = 0u;
     if (in[k] != RC_NONE) {
-      const uint surface = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]);
+      const uint first = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBES;
       for (uint i = 1; i < RC_LOBE_BEHIND; ++i)
-        if (lobes[surface * RC_LOBES + i].share > 0.0f) gloss = lobes[surface * RC_LOBES + i], glossy |= 1u << k;
+        if (lobes[first + i].share > 0.0f) at = 1u + first + i, glossy |= 1u << k;
     }
-    rc_store_shape(gloss, k, out);
+    out[RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
   }
   rc_clear_side(&side);
   rc_take_side(near, rc_bits16(glossy), &side);
@@ -120,7 +114,7 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
       global float* moved = lift + RC_LIFT_AT(place.pixel + p) + word * 16u;
       rc_store_side(&near, out, moved);
 #if RC_SHAPED
-      rc_store_shapes(scene, lobes, in, direction, out);
+      rc_store_shapes(scene, in, direction, out);
 #endif
 #if RC_THROUGH
       rc_store_side(&far, out + RC_NEAR_SAMPLES, moved + RC_NEAR_SAMPLES);

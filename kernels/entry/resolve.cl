@@ -89,10 +89,7 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
     uint best = 0;
     ulong key = ~0ul;
     for (uint k = 0; k < keys_used; ++k)
-      if (keys[k] > last && keys[k] < key) {
-        key = keys[k];
-        best = k;
-      }
+      if (keys[k] > last && keys[k] < key) key = keys[k], best = k;
     last = key;
     __global const float* row = sums + RC_SUMS_OF_KEY(best);
     const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;

@@ -38,7 +38,7 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
   rc_clear_truth(&sums);
   for (int g = 0; g < RC_WORDS; ++g) {
     const ShadedWord word = rc_shaded_word(&traced, &samples, sun_direction, g);
-    rc_weigh_seen_light(&traced, &word, sun_direction, g, &samples);
+    rc_weigh_seen_light(&traced, lobes, &word, sun_direction, g, &samples);
     if (g >= RC_NEAR_WORDS) continue; /* truth and path are of what is seen */
     rc_add_truth(&traced, &word, sensor, g, &sums);
     rc_add_path(&word, &samples, g, &sums);

@@ -50,7 +50,8 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     float unit[RC_SKELETON], factor = first->weight[i];
     for (uint m = 0; m < RC_SKELETON; ++m) unit[m] = 1.0f;
 #if RC_SHAPED
-    if (first->side[i] != RC_FAR_SIDE) factor *= rc_spread(in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
+    if (first->side[i] != RC_FAR_SIDE)
+      factor *= rc_spread(t->lobes, in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
 #endif
     rc_carry_on(scene, t, first->surface[i], first->side[i], factor, unit, paths->carried[k]);
     for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = 0.0f;
@@ -117,7 +118,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
         const uint slot = RC_SLOT_OF(sample, side);
         global const float* at = in + slot;
         const SkyRay ray =
-            rc_slot_ray(cosine, tables.seed ^ 0x2545f491u, number, path_number, side == RC_GLOSS_SIDE, at);
+            rc_slot_ray(cosine, tables.seed ^ 0x2545f491u, number, path_number, side == RC_GLOSS_SIDE, lobes, at);
         if (!(ray.facing > 0.0f)) continue;
         const float4 point =
             (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);

@@ -23,15 +23,15 @@ typedef struct Waiting16 {
 
 /* Adds what the waiting rays bring, in their order; none is left. ground: its instance; in, met: of the group's first
  * pixel. */
-static inline void rc_meet_sky(SceneArrays scene, uint ground, const SkyMap* map, Waiting16* waiting,
-                               global const float* in, global float* met) {
+static inline void rc_meet_sky(SceneArrays scene, global const Lobe* lobes, uint ground, const SkyMap* map,
+                               Waiting16* waiting, global const float* in, global float* met) {
   const uint hidden = rc_first_hidden(scene, &waiting->rays, waiting->count, ground, waiting->clear);
   for (uint i = 0; i < waiting->count; ++i) {
     const float x = waiting->rays.dx[i], y = waiting->rays.dy[i], z = waiting->rays.dz[i], known = waiting->known[i];
     float open = hidden >> i & 1u ? 0.0f : 1.0f;
 #if RC_SHAPED
     if (open > 0.0f)
-      open = rc_spread(in + RC_SURFACE_AT(waiting->pixel[i]) + waiting->slot[i], (float4)(x, y, z, 0.0f));
+      open = rc_spread(lobes, in + RC_SURFACE_AT(waiting->pixel[i]) + waiting->slot[i], (float4)(x, y, z, 0.0f));
 #endif
     if (open == known) continue;
     const float weight = waiting->scale[i] * (open - known) * waiting->facing[i] / waiting->density[i];
@@ -91,19 +91,19 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
           global const float* at = in + slot;
           const bool gloss = RC_SIDE_OF(slot) == RC_GLOSS_SIDE;
           const float known = gloss ? 0.0f : granted;
-          const SkyRay sent = rc_slot_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), gloss, at);
+          const SkyRay sent = rc_slot_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), gloss, lobes, at);
           if (!(sent.facing > 0.0f) || !(sent.z > 0.0f)) continue;
           const float4 point =
               (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
           const bool clear =
               rc_above_skyline(scene, &skyline, ids[sample], point, (float4)(sent.x, sent.y, sent.z, 0.0f));
           rc_let_wait(&waiting, sent, at, share.scale, known, p, slot, clear);
-          if (waiting.count == 16u) rc_meet_sky(scene, skyline.instance, &map, &waiting, group_in, group_out);
+          if (waiting.count == 16u) rc_meet_sky(scene, lobes, skyline.instance, &map, &waiting, group_in, group_out);
         }
       }
     }
   }
-  if (waiting.count) rc_meet_sky(scene, skyline.instance, &map, &waiting, group_in, group_out);
+  if (waiting.count) rc_meet_sky(scene, lobes, skyline.instance, &map, &waiting, group_in, group_out);
 }
 
 kernel void trace_sky(RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {

@@ -8,7 +8,7 @@
 /* 1/sr per unit of the reflectance curve. */
 static inline float rc_front(const LidarTables* t, uint surface, RcAngles angles) {
   const Lobe lobe = t->lobes[surface * RC_LOBES];
-  return rc_shape_eval(lobe.shape, 1.0f, lobe.parameter[0], lobe.parameter[1], angles);
+  return rc_shape_eval(lobe.shape, 1.0f, rc_parameters(lobe.parameter), angles);
 }
 
 /* BRDF, 1/sr, of a surface's glossy materials. */
@@ -17,7 +17,7 @@ static inline float rc_gloss(const LidarTables* t, uint surface, RcAngles angles
   for (uint i = 1; i < RC_LOBE_BEHIND; ++i) {
     const Lobe lobe = t->lobes[surface * RC_LOBES + i];
     if (!(lobe.share > 0.0f)) continue;
-    sum += rc_shape_eval(lobe.shape, lobe.share, lobe.parameter[0], lobe.parameter[1], angles);
+    sum += rc_shape_eval(lobe.shape, lobe.share, rc_parameters(lobe.parameter), angles);
   }
   return sum;
 }

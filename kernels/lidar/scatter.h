@@ -18,10 +18,10 @@ static inline float4 rc_draw_direction(const LidarTables* t, uint key, uint ray,
 #if RC_SHAPED
   const Lobe lobe = t->lobes[surface * RC_LOBES];
   if (front && lobe.shape != RC_SHAPE_lambert) {
-    const float p0 = lobe.parameter[0], p1 = lobe.parameter[1];
-    const float4 direction = rc_from_frame(frame, rc_shape_sample(lobe.shape, p0, p1, rc_to_frame(frame, -way), u, v));
+    const RcParameters p = rc_parameters(lobe.parameter);
+    const float4 direction = rc_from_frame(frame, rc_shape_sample(lobe.shape, p, rc_to_frame(frame, -way), u, v));
     const RcAngles angles = rc_angles(n, -way, direction);
-    *spread = rc_shape_eval(lobe.shape, angles.cos_out, p0, p1, angles) / rc_shape_pdf(lobe.shape, p0, p1, angles);
+    *spread = rc_shape_eval(lobe.shape, angles.cos_out, p, angles) / rc_shape_pdf(lobe.shape, p, angles);
     return direction;
   }
 #endif

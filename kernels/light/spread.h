@@ -11,35 +11,38 @@
 
 /* How many times the radiance of Lambert's law goes to the viewer: pi f. at: the sample's slot in the planes of
  * surface; direction: unit, to where light comes from. */
-static inline float rc_spread(global const float* at, float4 direction) {
-  const uint shape = as_uint(at[RC_PLANE(RC_LOBE_SHAPE)]);
+static inline float rc_spread(global const Lobe* lobes, global const float* at, float4 direction) {
+  const uint number = as_uint(at[RC_PLANE(RC_LOBE_AT)]);
+  if (number == 0u) return 1.0f;
+  const Lobe lobe = lobes[number - 1u];
+  if (lobe.shape == RC_SHAPE_lambert) return 1.0f;
   const float4 normal = (float4)(at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)], 0.0f);
   const float4 viewer = (float4)(at[RC_PLANE(RC_VIEWER_X)], at[RC_PLANE(RC_VIEWER_Y)], at[RC_PLANE(RC_VIEWER_Z)], 0.0f);
-  if (shape == RC_SHAPE_lambert) return 1.0f;
-  return rc_shape_eval(shape, 3.14159265f, at[RC_PLANE(RC_LOBE_P0)], at[RC_PLANE(RC_LOBE_P1)],
-                       rc_angles(normal, direction, viewer));
+  return rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, direction, viewer));
 }
 
 /* Of a word of samples, those in `lanes`; else 1. */
-static inline float16 rc_spread16(global const float* at, float4 direction, uint lanes) {
+static inline float16 rc_spread16(global const Lobe* lobes, global const float* at, float4 direction, uint lanes) {
   float spread[16];
-  for (uint k = 0; k < 16u; ++k) spread[k] = lanes >> k & 1u ? rc_spread(at + k, direction) : 1.0f;
+  for (uint k = 0; k < 16u; ++k) spread[k] = lanes >> k & 1u ? rc_spread(lobes, at + k, direction) : 1.0f;
   return vload16(0, spread);
 }
 #endif
 
 /* Ray `number` of a pixel from what a sample's slot stands for; at: the slot in the planes of surface. */
 static inline SkyRay rc_slot_ray(SkyDensity law, uint seed, uint pixel, uint number, bool gloss,
-                                 global const float* at) {
+                                 global const Lobe* lobes, global const float* at) {
   const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
 #if RC_GLOSSY
   if (gloss) {
-    const float roughness = at[RC_PLANE(RC_LOBE_P0)], f0 = at[RC_PLANE(RC_LOBE_P1)];
+    /* Where there is none, the normal is zero, and nothing faces it. */
+    const Lobe lobe = lobes[max(as_uint(at[RC_PLANE(RC_LOBE_AT)]), 1u) - 1u];
+    const RcParameters p = rc_parameters(lobe.parameter);
     const float vx = at[RC_PLANE(RC_VIEWER_X)], vy = at[RC_PLANE(RC_VIEWER_Y)], vz = at[RC_PLANE(RC_VIEWER_Z)];
-    SkyRay ray = rc_gloss_way(law, roughness, seed, pixel, number, nx, ny, nz, vx, vy, vz);
+    SkyRay ray = rc_gloss_way(law, p.of[0], seed, pixel, number, nx, ny, nz, vx, vy, vz);
     const RcAngles angles =
         rc_angles((float4)(nx, ny, nz, 0.0f), (float4)(vx, vy, vz, 0.0f), (float4)(ray.x, ray.y, ray.z, 0.0f));
-    ray.density = RC_GLOSS_SHARE * rc_gloss_pdf(roughness, f0, angles) +
+    ray.density = RC_GLOSS_SHARE * rc_gloss_pdf(p, angles) +
                   (1.0f - RC_GLOSS_SHARE) * rc_sky_density(law, ray.x, ray.y, ray.z, ray.facing);
     return ray;
   }

@@ -14,12 +14,18 @@ typedef double rc_real;
 
 #define RC_INVERSE_PI RC_REAL(0.318309886183790672)
 
+/* Of a shape, in the order of its entry. */
+typedef struct RcParameters {
+  rc_real of[6];
+} RcParameters;
+
 /* Two unit vectors away from a surface of unit normal n: `in` to where light comes from, `out` to where it goes. */
 typedef struct RcAngles {
   rc_real cos_in, cos_out; /* to the normal */
   rc_real cos_half;        /* normal and half vector of the two */
   rc_real cos_turn;        /* in and half vector */
   rc_real along, across;   /* of their parts in the surface's plane: dot product and length of the cross product */
+  rc_real apart2;          /* of those over the cosines, the tangents of both zenith angles: square of their distance */
 } RcAngles;
 
 /* A direction in a frame whose z is the normal. */
@@ -28,6 +34,12 @@ typedef struct RcLocal {
 } RcLocal;
 
 #ifdef __OPENCL_C_VERSION__
+/* From a Lobe record. */
+static inline RcParameters rc_parameters(const float* p) {
+  const RcParameters out = {{p[0], p[1], p[2], p[3], p[4], p[5]}};
+  return out;
+}
+
 static inline RcAngles rc_angles(float4 normal, float4 in, float4 out) {
   const float4 half_way = normalize(in + out);
   RcAngles a;
@@ -36,9 +48,10 @@ static inline RcAngles rc_angles(float4 normal, float4 in, float4 out) {
   a.cos_half = fmin(dot(normal, half_way), 1.0f);
   a.cos_turn = clamp(dot(in, half_way), 0.0f, 1.0f);
   const float4 flat_in = in - a.cos_in * normal, flat_out = out - a.cos_out * normal;
-  const float4 turn = cross(flat_in, flat_out);
+  const float4 turn = cross(flat_in, flat_out), apart = flat_in / a.cos_in - flat_out / a.cos_out;
   a.along = dot(flat_in, flat_out);
   a.across = sqrt(dot(turn, turn));
+  a.apart2 = dot(apart, apart);
   return a;
 }
 #else
@@ -57,8 +70,10 @@ static inline RcAngles rc_angles(const RcLocal& normal, const RcLocal& in, const
   a.cos_turn = std::fmin(std::fmax(over * dot(in, sum), 0.0), 1.0);
   const RcLocal f = along(in, -a.cos_in, normal), g = along(out, -a.cos_out, normal);
   const RcLocal turn{f.y * g.z - f.z * g.y, f.z * g.x - f.x * g.z, f.x * g.y - f.y * g.x};
+  const RcLocal tangent = along({0, 0, 0}, 1 / a.cos_in, f), apart = along(tangent, -1 / a.cos_out, g);
   a.along = dot(f, g);
   a.across = std::sqrt(dot(turn, turn));
+  a.apart2 = dot(apart, apart);
   return a;
 }
 #endif

@@ -1,7 +1,8 @@
 /* GGX gloss beside the diffuse reflectance: Walter et al., "Microfacet Models for Refraction through Rough Surfaces",
- * EGSR 2007; Schlick's Fresnel term. p0: roughness alpha of the distribution, p1: reflectance at normal incidence. */
+ * EGSR 2007; Schlick's Fresnel term. p[0]: roughness alpha of the distribution, p[1]: reflectance at normal
+ * incidence. */
 #ifdef RC_SHAPE
-RC_SHAPE(gloss, gloss, 1, "GGX microfacets.")
+RC_SHAPE(gloss, gloss, 1, 1, "GGX microfacets.")
 RC_SHAPE_TABLE(gloss, "Gloss beside the diffuse reflectance; cameras ask for a roughness of 0.1 or more.",
                "GGX microfacets (Walter et al., 2007) with Schlick's Fresnel term.")
 RC_SHAPE_PARAMETER(gloss, 0, "roughness", "", ">0", "1", "alpha of the GGX distribution.")
@@ -27,7 +28,8 @@ static inline rc_real rc_gloss_facets(rc_real alpha, rc_real cos_half) {
 /* Masking and shadowing are joined by the angle between the two ways' azimuths (van Ginneken et al. 1998; Heitz 2014,
  * eq. 96): 1 / (1 + max Lambda + m min Lambda), m = 4.41 phi / (4.41 phi + 1). At zero phase what the laser lights is
  * what the receiver sees: masking enters once. */
-static inline rc_real rc_gloss_eval(rc_real scale, rc_real alpha, rc_real f0, RcAngles a) {
+static inline rc_real rc_gloss_eval(rc_real scale, RcParameters p, RcAngles a) {
+  const rc_real alpha = p.of[0], f0 = p.of[1];
   if (!(a.cos_in > RC_REAL(1e-4) && a.cos_out > RC_REAL(1e-4))) return 0;
   const rc_real phi = atan2(a.across, a.along), join = RC_REAL(4.41) * phi / fma(RC_REAL(4.41), phi, RC_REAL(1.0));
   const rc_real bent = RC_REAL(1.0) - a.cos_turn, schlick = bent * bent * bent * bent * bent;
@@ -39,22 +41,21 @@ static inline rc_real rc_gloss_eval(rc_real scale, rc_real alpha, rc_real f0, Rc
 
 /* Mirrored at a facet drawn from the distribution (Walter et al. 2007, eqs. 35, 36, 38); below the horizon, z < 0, for
  * facets that face away: such a path ends. */
-static inline RcLocal rc_gloss_sample(rc_real alpha, rc_real f0, RcLocal in, rc_real u, rc_real v) {
+static inline RcLocal rc_gloss_sample(RcParameters p, RcLocal in, rc_real u, rc_real v) {
+  const rc_real alpha = p.of[0];
   const rc_real tan2 = alpha * alpha * u / fmax(RC_REAL(1.0) - u, RC_REAL(1e-7)),
                 cosine = RC_REAL(1.0) / sqrt(RC_REAL(1.0) + tan2);
   const rc_real sine = sqrt(fmax(RC_REAL(1.0) - cosine * cosine, RC_REAL(0.0))), angle = RC_REAL(6.283185307179586) * v;
   const rc_real x = sine * cos(angle), y = sine * sin(angle);
   const rc_real twice = RC_REAL(2.0) * (in.x * x + in.y * y + in.z * cosine);
   RcLocal out;
-  (void)f0;
   out.x = twice * x - in.x;
   out.y = twice * y - in.y;
   out.z = twice * cosine - in.z;
   return out;
 }
-static inline rc_real rc_gloss_pdf(rc_real alpha, rc_real f0, RcAngles a) {
-  (void)f0;
-  return a.cos_turn > 0 ? rc_gloss_facets(alpha, a.cos_half) * a.cos_half / (RC_REAL(4.0) * a.cos_turn) : 0;
+static inline rc_real rc_gloss_pdf(RcParameters p, RcAngles a) {
+  return a.cos_turn > 0 ? rc_gloss_facets(p.of[0], a.cos_half) * a.cos_half / (RC_REAL(4.0) * a.cos_turn) : 0;
 }
 
 #endif

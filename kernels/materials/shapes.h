@@ -7,18 +7,18 @@
 #define RC_SHAPE_TABLE(name, text, source)
 #define RC_SHAPE_PARAMETER(name, index, key, unit, low, high, text)
 enum {
-#define RC_SHAPE(name, role, reciprocal, text) RC_SHAPE_##name,
+#define RC_SHAPE(name, role, reciprocal, conserves, text) RC_SHAPE_##name,
 #include "kernels/materials/materials.def"
 #undef RC_SHAPE
   RC_SHAPE_COUNT,
   RC_SHAPE_none = RC_SHAPE_COUNT
 };
 
-static inline rc_real rc_shape_eval(unsigned int shape, rc_real scale, rc_real p0, rc_real p1, RcAngles angles) {
+static inline rc_real rc_shape_eval(unsigned int shape, rc_real scale, RcParameters p, RcAngles angles) {
   switch (shape) {
-#define RC_SHAPE(name, role, reciprocal, text) \
-  case RC_SHAPE_##name:                        \
-    return rc_##name##_eval(scale, p0, p1, angles);
+#define RC_SHAPE(name, role, reciprocal, conserves, text) \
+  case RC_SHAPE_##name:                                   \
+    return rc_##name##_eval(scale, p, angles);
 #include "kernels/materials/materials.def"
 #undef RC_SHAPE
     default:
@@ -26,11 +26,11 @@ static inline rc_real rc_shape_eval(unsigned int shape, rc_real scale, rc_real p
   }
 }
 
-static inline RcLocal rc_shape_sample(unsigned int shape, rc_real p0, rc_real p1, RcLocal in, rc_real u, rc_real v) {
+static inline RcLocal rc_shape_sample(unsigned int shape, RcParameters p, RcLocal in, rc_real u, rc_real v) {
   switch (shape) {
-#define RC_SHAPE(name, role, reciprocal, text) \
-  case RC_SHAPE_##name:                        \
-    return rc_##name##_sample(p0, p1, in, u, v);
+#define RC_SHAPE(name, role, reciprocal, conserves, text) \
+  case RC_SHAPE_##name:                                   \
+    return rc_##name##_sample(p, in, u, v);
 #include "kernels/materials/materials.def"
 #undef RC_SHAPE
     default:
@@ -38,11 +38,11 @@ static inline RcLocal rc_shape_sample(unsigned int shape, rc_real p0, rc_real p1
   }
 }
 
-static inline rc_real rc_shape_pdf(unsigned int shape, rc_real p0, rc_real p1, RcAngles angles) {
+static inline rc_real rc_shape_pdf(unsigned int shape, RcParameters p, RcAngles angles) {
   switch (shape) {
-#define RC_SHAPE(name, role, reciprocal, text) \
-  case RC_SHAPE_##name:                        \
-    return rc_##name##_pdf(p0, p1, angles);
+#define RC_SHAPE(name, role, reciprocal, conserves, text) \
+  case RC_SHAPE_##name:                                   \
+    return rc_##name##_pdf(p, angles);
 #include "kernels/materials/materials.def"
 #undef RC_SHAPE
     default:

@@ -30,12 +30,12 @@ static inline ShadedWord rc_shaded_word(const TracedPixel* traced, const ShadedS
   return word;
 }
 
-static inline void rc_weigh_seen_light(const TracedPixel* traced, const ShadedWord* word, float4 sun_direction, int g,
-                                       ShadedSamples* samples) {
+static inline void rc_weigh_seen_light(const TracedPixel* traced, global const Lobe* lobes, const ShadedWord* word,
+                                       float4 sun_direction, int g, ShadedSamples* samples) {
 #if RC_SUN
   float16 sent = word->weight * fmax(word->cosine, (float16)(0.0f));
 #if RC_SHAPED
-  sent *= rc_spread16(traced->point + g * RC_WORD, sun_direction, rc_mask16(word->lit));
+  sent *= rc_spread16(lobes, traced->point + g * RC_WORD, sun_direction, rc_mask16(word->lit));
 #endif
   rc_store16(rc_masked(sent, word->lit), g, samples->value[0]);
 #endif

@@ -65,6 +65,7 @@
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
@@ -124,6 +125,7 @@
   READ(rc_float, open_share) NEXT()   /* [surface], as trace_sky had it */ \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Surface, surfaces, SURFACES) NEXT() \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
   READ(rc_float, chunk_weight) NEXT() \
   VALUE(rc_float, sample_total) NEXT() /* samples of a pixel, all chunks */ \
   VALUE(rc_float4, sun_direction) NEXT() \

@@ -58,10 +58,8 @@
 #define RC_VIEWER_X 6 /* unit, from the point to the viewer */
 #define RC_VIEWER_Y 7
 #define RC_VIEWER_Z 8
-#define RC_LOBE_SHAPE 9 /* bits of the shape's number, then its parameters: slot 0 of the surface's Lobe records */
-#define RC_LOBE_P0 10
-#define RC_LOBE_P1 11
-#define RC_POINT_PLANES_OF(shaped) ((shaped) ? 12 : 6)
+#define RC_LOBE_AT 9 /* bits of which Lobe record its shape is, from 1; 0: Lambert's law */
+#define RC_POINT_PLANES_OF(shaped) ((shaped) ? 10 : 6)
 
 /* Planes of met sky, whole float4s of components. */
 #define RC_SKY_PLANES_OF(components) ((components) > 4 ? 8 : 4)

@@ -80,8 +80,10 @@ class Cube:
         self.folder = folder
         self.radiance = self.read("radiance")
         header, layers = envi(folder, "truth")
-        self.layers = {name.partition(" [")[0]: layers[..., i].astype(float) for i, name in enumerate(header["band names"])}
-        self.parts = {name: self.read(f"radiance_{name}") for name in PARTS if (folder / f"radiance_{name}.img").exists()}
+        names = [name.partition(" [")[0] for name in header["band names"]]
+        self.layers = {name: layers[..., i].astype(float) for i, name in enumerate(names)}
+        there = [name for name in PARTS if (folder / f"radiance_{name}.img").exists()]
+        self.parts = {name: self.read(f"radiance_{name}") for name in there}
 
     def read(self, name):
         return envi(self.folder, name)[1].astype(float)
@@ -170,6 +172,8 @@ def check_heat(work):
     cube = rendered(work, "heat", bands=LONGWAVE, air='{ model = "layered", spectral_step_nm = 20.0 }')
     check({"path", "thermal_sky", "surroundings", "emission"} <= set(cube.parts) <= set(PARTS), cube.parts.keys())
     cube.check_sum()
+    told = record(cube.folder)["warnings"]
+    check(any("sunlight" in line and "irradiance" in line for line in told) != ("sun" in cube.parts), told)
     emission, emissivity = cube.parts["emission"], cube.read("emissivity")
     of = {name: numpy.median(emission[cube.pure(name)], axis=0) for name in ("soil", "roof", "cool", "leaf")}
     check(numpy.allclose(of["roof"] / of["soil"], 0.50 / 0.80, rtol=2e-3), of)  # heights of 3 m apart

@@ -101,4 +101,12 @@ for name, keys in shapes.items():
 # A single leaf by what it is made of, instead of the reflectance.
 leaf = "leaf = { prospect = { n = 1.6, cab_ug_cm2 = 40, car_ug_cm2 = 10, cw_cm = 0.01, cm_g_cm2 = 0.006 } }"
 holds(leaf, SCENE.format(shape=leaf, pulse=PULSE_AND_RECEIVER).replace("reflectance = 0.4\n", "", 1))
+# What would send back more light than comes.
+with tempfile.TemporaryDirectory() as folder:
+    file = pathlib.Path(folder) / "scene.toml"
+    bowl = "rpv = { k = 0.6, theta = -0.2, rho_c = 0.2 }"
+    text = SCENE.format(shape=bowl, pulse=PULSE_AND_RECEIVER)
+    file.write_text(text.replace("reflectance = 0.4", "reflectance = 0.9"))
+    says = ["rpv", "more light would leave than comes", "80 degrees off the normal", "reflectance 0.9"]
+    program.refused("render", file, "-o", folder + "/out", status=2, says=says)
 print(f"shapes: {program.checks} checks")

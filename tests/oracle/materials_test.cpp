@@ -13,6 +13,7 @@
 #include "host/cl/program.h"
 #include "kernels/kernel_source.h"
 #include "kernels/materials/shapes.h"
+#include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
 #include "tests/support/devices.h"
 
@@ -28,13 +29,15 @@ constexpr RcLocal kNormal{0, 0, 1};
 /// A shape with one choice of its parameters.
 struct Case {
   const ShapeEntry* entry;
-  double p0, p1;
-  std::string name() const { return std::string(entry->name) + " " + std::to_string(p0) + " " + std::to_string(p1); }
+  RcParameters p;
+  std::string name() const {
+    return std::string(entry->name) + " " + std::to_string(p.of[0]) + " " + std::to_string(p.of[1]);
+  }
   double eval(const RcLocal& in, const RcLocal& out) const {
-    return rc_shape_eval(entry->number, 1, p0, p1, rc_angles(kNormal, in, out));
+    return rc_shape_eval(entry->number, 1, p, rc_angles(kNormal, in, out));
   }
   double pdf(const RcLocal& in, const RcLocal& out) const {
-    return rc_shape_pdf(entry->number, p0, p1, rc_angles(kNormal, in, out));
+    return rc_shape_pdf(entry->number, p, rc_angles(kNormal, in, out));
   }
   bool peak() const { return entry->number == RC_SHAPE_plate; }  ///< no width: nothing to evaluate
   bool behind() const { return entry->role == ShapeRole::behind; }
@@ -51,7 +54,8 @@ std::vector<Case> cases() {
       const double low = end(entry.parameters[i].low), high = end(entry.parameters[i].high);
       return low + part * (high - low);
     };
-    for (const double part : {0.15, 0.5, 0.95}) out.push_back({&entry, at(0, part), at(1, 1 - part)});
+    for (const double part : {0.15, 0.5, 0.95})
+      out.push_back({&entry, {{at(0, part), at(1, 1 - part), at(2, part), at(3, 1 - part)}}});
   }
   return out;
 }
@@ -92,13 +96,65 @@ TEST_CASE("shapes: rough matter as Oren & Nayar have it, in Fujii's form, worked
   // 0.33)) = 0.4382108, A = 1 / (1 + (1/2 - 2 / (3 pi)) r) = 0.8880096. Light and viewer 60 degrees from the normal:
   // s = cos(azimuth) sin^2; t = cos = 1/2 where s > 0, else 1.
   const auto pi_f = [](const RcLocal& in, const RcLocal& out, double sigma_deg) {
-    return kPi * rc_shape_eval(RC_SHAPE_oren_nayar, 1, sigma_deg, 0, rc_angles(RcLocal{0, 0, 1}, in, out));
+    return kPi * rc_shape_eval(RC_SHAPE_oren_nayar, 1, {{sigma_deg}}, rc_angles(RcLocal{0, 0, 1}, in, out));
   };
   const RcLocal sun = direction(0.5, 0.3);
   CHECK(pi_f(sun, direction(0.5, 0.3), 30) == doctest::Approx(1.4717116).epsilon(1e-7));
   CHECK(pi_f(sun, direction(0.5, 0.3 + kPi), 30) == doctest::Approx(0.5961586).epsilon(1e-7));
   CHECK(pi_f(sun, direction(0.5, 0.3 + kPi / 2), 30) == doctest::Approx(0.8880096).epsilon(1e-7));
   CHECK(pi_f(sun, direction(0.5, 0.3), 0) == doctest::Approx(1).epsilon(1e-12));
+}
+
+/// RPV from the angles of its paper: light from zenith angle a, viewer at b, azimuths apart by `turn` (0: one side).
+double rpv_by_angles(double a, double b, double turn, double k, double theta, double rho_c) {
+  const double m = std::pow(std::cos(a) * std::cos(b) * (std::cos(a) + std::cos(b)), k - 1);
+  const double cos_g = std::cos(a) * std::cos(b) + std::sin(a) * std::sin(b) * std::cos(turn);
+  const double f = (1 - theta * theta) / std::pow(1 + 2 * theta * cos_g + theta * theta, 1.5);
+  const double tan_a = std::tan(a), tan_b = std::tan(b);
+  const double distance = std::sqrt(std::max(0.0, tan_a * tan_a + tan_b * tan_b - 2 * tan_a * tan_b * std::cos(turn)));
+  return m * f * (1 + (1 - rho_c) / (1 + distance));
+}
+
+TEST_CASE("S21 shapes: RPV as its paper has it, by angles; without bowl, asymmetry and hot spot it is Lambert's law") {
+  for (const double a : {0.1, 0.6, 1.2})
+    for (const double b : {0.2, 0.6, 1.4})
+      for (const double turn : {0.0, 0.9, kPi}) {
+        const RcAngles angles = rc_angles(kNormal, direction(std::cos(a), 0.3), direction(std::cos(b), 0.3 + turn));
+        const auto pi_f = [&](double k, double theta, double rho_c) {
+          return rc_shape_eval(RC_SHAPE_rpv, kPi, {{k, theta, rho_c}}, angles);
+        };
+        // At the hot spot a rounding of the angles' difference shows by its root.
+        CHECK(pi_f(0.7, -0.15, 0.3) == doctest::Approx(rpv_by_angles(a, b, turn, 0.7, -0.15, 0.3)).epsilon(1e-7));
+        CHECK(pi_f(1.2, 0.3, 0.9) == doctest::Approx(rpv_by_angles(a, b, turn, 1.2, 0.3, 0.9)).epsilon(1e-7));
+        CHECK(pi_f(1, 0, 1) == doctest::Approx(1).epsilon(1e-12));
+      }
+}
+
+TEST_CASE("S21 shapes: kernels of Ross and Li at the nadir, in their hot spot, and the integrals that are published") {
+  const auto pi_f = [](double volumetric, double geometric, double zenith, double turn) {
+    return rc_shape_eval(RC_SHAPE_ross_li, kPi, {{volumetric, geometric}},
+                         rc_angles(kNormal, direction(std::cos(zenith), 0.3), direction(std::cos(zenith), 0.3 + turn)));
+  };
+  CHECK(pi_f(0.7, 0.3, 0, 0) == doctest::Approx(1).epsilon(1e-12));  // both kernels vanish there
+  // Phase angle 0 at 60 degrees: (pi / 2) / (2 cos) - pi / 4; half the secants' sum less the sum, plus their product.
+  CHECK(pi_f(1, 0, kPi / 3, 0) == doctest::Approx(1 + kPi / 4).epsilon(1e-7));
+  CHECK(pi_f(0, 0.5, kPi / 3, 0) == doctest::Approx(1 + 0.5 * 2).epsilon(1e-7));
+  // White-sky integrals and fits of black-sky ones in the zenith angle: Lucht, Schaaf & Strahler (2000), table 1.
+  const auto integrals = [](double volumetric, double geometric, double over) {
+    scene::Shape shape{RC_SHAPE_ross_li};
+    shape.parameter = {volumetric, geometric};
+    return std::pair((scene::white_sky_albedo(shape) - 1) / over, (scene::black_sky_albedo(shape, kPi / 4) - 1) / over);
+  };
+  const double z = kPi / 4;
+  const auto [thick, thick_45] = integrals(0.5, 0, 0.5);
+  const auto [sparse, sparse_45] = integrals(0, 0.01, 0.01);  // of which nothing is cut off at 0
+  CHECK(thick == doctest::Approx(0.189184).epsilon(0.01));
+  CHECK(sparse == doctest::Approx(-1.377622).epsilon(0.01));
+  // The fits are good to 0.02; the integrals themselves by numpy over 2000 x 2000 directions.
+  CHECK(std::abs(thick_45 - (-0.007574 - 0.070987 * z * z + 0.307588 * z * z * z)) < 0.02);
+  CHECK(std::abs(sparse_45 - (-1.284909 - 0.166314 * z * z + 0.041840 * z * z * z)) < 0.02);
+  CHECK(std::abs(thick_45 - 0.1143951) < 1e-3);
+  CHECK(std::abs(sparse_45 - -1.3658777) < 5e-3);
 }
 
 TEST_CASE("shapes: a surface of curve 1 gives back no more than it gets, and its density integrates to 1 or less") {
@@ -112,7 +168,7 @@ TEST_CASE("shapes: a surface of curve 1 gives back no more than it gets, and its
       const double density = over_hemisphere(side, [&](const RcLocal& out) { return c.pdf(in, out); });
       INFO(c.name() << ", cosine " << cosine << ": albedo " << albedo << ", density " << density);
       // The rule's own error: 1 / (24 rows^2) for smooth shapes, 2e-3 where a lobe is 0.15 wide.
-      CHECK(albedo <= 1 + 2e-3);
+      if (c.entry->conserves) CHECK(albedo <= 1 + 2e-3);
       CHECK(albedo > 0);
       CHECK(density <= 1 + 2e-3);
       // Directions below the horizon belong to the density of gloss alone.
@@ -133,7 +189,7 @@ TEST_CASE("shapes: directions are drawn as their density says, and carry the ene
       std::vector<double> counted(kRows * kColumns + 1, 0.0), expected = counted;
       double energy = 0, squares = 0;
       for (int n = 0; n < kDrawn; ++n) {
-        const RcLocal out = rc_shape_sample(c.entry->number, c.p0, c.p1, in, unit(random), unit(random));
+        const RcLocal out = rc_shape_sample(c.entry->number, c.p, in, unit(random), unit(random));
         REQUIRE(std::abs(out.x * out.x + out.y * out.y + out.z * out.z - 1) < 1e-9);
         const double turn = std::atan2(out.y, out.x), whole = (turn < 0 ? turn + 2 * kPi : turn) / (2 * kPi);
         const auto row = std::min(kRows - 1, static_cast<int>(out.z * kRows));
@@ -178,7 +234,7 @@ TEST_CASE("shapes: directions are drawn as their density says, and carry the ene
 }
 
 TEST_CASE("a plate's light goes straight on") {
-  const RcLocal in{0.36, 0.48, -0.8}, out = rc_shape_sample(RC_SHAPE_plate, 0, 0, in, 0.3, 0.6);
+  const RcLocal in{0.36, 0.48, -0.8}, out = rc_shape_sample(RC_SHAPE_plate, {}, in, 0.3, 0.6);
   CHECK(out.x == -in.x);
   CHECK(out.y == -in.y);
   CHECK(out.z == -in.z);
@@ -189,8 +245,8 @@ kernel void probe_shapes(global const uint* shape, global const float4* normal, 
                          global const float4* out, global const float4* parameter, global float4* result) {
   const size_t i = get_global_id(0);
   const RcAngles angles = rc_angles(normal[i], in[i], out[i]);
-  const float p0 = parameter[i].x, p1 = parameter[i].y;
-  result[i] = (float4)(rc_shape_eval(shape[i], 1.0f, p0, p1, angles), rc_shape_pdf(shape[i], p0, p1, angles),
+  const RcParameters p = {{parameter[i].x, parameter[i].y, parameter[i].z, parameter[i].w, 0.0f, 0.0f}};
+  result[i] = (float4)(rc_shape_eval(shape[i], 1.0f, p, angles), rc_shape_pdf(shape[i], p, angles),
                        0.0f, 0.0f);
 }
 )";
@@ -216,12 +272,14 @@ TEST_CASE("shapes: what kernels compute is what the reference computes") {
       const RcAngles angles = rc_angles(normal, in, out);
       // Towards the horizon a float's cosine has few digits left.
       if (std::abs(angles.cos_in) < 0.02 || std::abs(angles.cos_out) < 0.02) continue;
-      const double p0 = static_cast<float>(c.p0), p1 = static_cast<float>(c.p1);
+      RcParameters p = c.p;
+      for (double& value : p.of) value = static_cast<float>(value);
       shape.push_back(c.entry->number), normals.push_back(narrow(normal)), ins.push_back(narrow(in));
       outs.push_back(narrow(out));
-      parameters.push_back({static_cast<float>(p0), static_cast<float>(p1), 0, 0});
-      eval.push_back(rc_shape_eval(c.entry->number, 1, p0, p1, angles));
-      pdf.push_back(rc_shape_pdf(c.entry->number, p0, p1, angles));
+      parameters.push_back({static_cast<float>(p.of[0]), static_cast<float>(p.of[1]), static_cast<float>(p.of[2]),
+                            static_cast<float>(p.of[3])});
+      eval.push_back(rc_shape_eval(c.entry->number, 1, p, angles));
+      pdf.push_back(rc_shape_pdf(c.entry->number, p, angles));
     }
   test::on_every_device([&](const cl::Context& context) {
     const cl::Program program(context, "shapes", std::string(kernels::kernel_source("lidar_shots")) + kProbe,

@@ -62,7 +62,7 @@ struct Tilted {
 };
 
 double eval(const scene::Shape& shape, const RcAngles& angles) {
-  return rc_shape_eval(shape.number, 1, shape.parameter[0], shape.parameter[1], angles);
+  return rc_shape_eval(shape.number, 1, shape.parameters(), angles);
 }
 
 }  // namespace

@@ -203,6 +203,7 @@ std::vector<float> TraceChain::sky(const plan::Plan& plan) {
           render::TraceSkyArguments{.nodes = scene_.nodes,
                                     .blocks = scene_.blocks,
                                     .instances = scene_.instances,
+                                    .lobes = scene_.lobes,
                                     .groups = groups_,
                                     .hits = hits_,
                                     .surface = surface_,
