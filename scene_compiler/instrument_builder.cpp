@@ -271,6 +271,7 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
   out.write_exr = record.boolean("exr");
   out.write_png = record.boolean("png");
   read_band_truth(record, out);
+  out.first_opaque = record.boolean("first_opaque");
   if (record.given("integer_scale")) out.integer_scale = record.number("integer_scale");
   return out;
 }

@@ -145,14 +145,16 @@ void check_energy(const Record& record, const Material& material, Problems& prob
   const auto& reflected = material.reflectance.value;
   const auto& through = material.transmittance.value;
   const MostAlbedo most = most_albedo(material.front);
+  const double mirrored = material.gloss.number == RC_SHAPE_none ? 0 : material.gloss.parameter[1];
   for (std::size_t i = 0; i < reflected.size(); ++i) {
     const double sent = reflected[i] * most.albedo, passed = i < through.size() ? through[i] : 0;
-    if (sent + passed <= 1) continue;
+    if (sent + passed + mirrored <= 1) continue;
     const std::string name(shape_entry(material.front.number).name);
     problems.add(
         record.place(name), "more light would leave than comes",
         fmt::format("albedo {:.3g}{} at {:.6g} nm of light from {:g} degrees off the normal, reflectance {:.4g}", sent,
-                    passed > 0 ? fmt::format(" and transmittance {:.3g}", passed) : "",
+                    (passed > 0 ? fmt::format(" and transmittance {:.3g}", passed) : "") +
+                        (mirrored > 0 ? fmt::format(" and gloss {:.3g}", mirrored) : ""),
                     1000 * material.reflectance.wavelength_um[i], most.zenith_deg, reflected[i]),
         fmt::format("the shape sends {:.3g} times the reflectance: lower that, or give another {}", most.albedo, name));
     return;
@@ -169,7 +171,6 @@ void read_front(const Record& record, Material& out, Problems& problems) {
                    std::string(shape_entry(out.front.number).name) + " and " + std::string(entry.name), "remove one");
     if (shape) out.front = *shape;
   }
-  if (!shape_entry(out.front.number).conserves) check_energy(record, out, problems);
 }
 
 /// The way of transmitted light, and gloss.
@@ -217,6 +218,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       if (record.sound && !material.reflectance.value.empty()) {
         read_front(record, material, problems);
         read_lobes(record, material, problems);
+        if (!shape_entry(material.front.number).conserves) check_energy(record, material, problems);
       }
       material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
       if (record.given("source")) material.source = record.text("source");

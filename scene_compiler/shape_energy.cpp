@@ -9,7 +9,7 @@ namespace raycube::scene {
 
 namespace {
 
-constexpr double kSteepest_deg = 80;  ///< further on models of canopies are not meant to hold
+constexpr double kSteepest_deg = 80;  ///< beyond it shapes that do not conserve stay as they are there
 constexpr int kCosines = 64, kAzimuths = 96, kWhole = 64;
 constexpr RcLocal kNormal{0, 0, 1};
 
@@ -51,10 +51,13 @@ double white_sky_albedo(const Shape& shape) {
 }
 
 MostAlbedo most_albedo(const Shape& shape) {
+  static thread_local std::pair<Shape, MostAlbedo> last{};  // members of a family have one shape
+  if (last.first == shape) return last.second;
   MostAlbedo most{0, 0};
   for (double zenith_deg = 0; zenith_deg <= kSteepest_deg; zenith_deg += 5)
     if (const double albedo = black_sky_albedo(shape, zenith_deg * std::numbers::pi / 180); albedo > most.albedo)
       most = {albedo, zenith_deg};
+  last = {shape, most};
   return most;
 }
 

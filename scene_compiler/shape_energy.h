@@ -1,5 +1,5 @@
 // What a scattering shape does with all the light that falls onto it: integrals over directions, for a curve of 1. By
-// the midpoint rule, to 1e-3 of it.
+// the midpoint rule, to 2e-3 of it.
 #pragma once
 
 #include "scene_compiler/compiled_scene.h"
@@ -12,7 +12,7 @@ double black_sky_albedo(const Shape& shape, double zenith_rad);
 /// Share of light of an even sky that leaves (white-sky albedo); 1 by Lambert's law.
 double white_sky_albedo(const Shape& shape);
 
-/// The largest black-sky albedo for light up to 80 degrees from the normal, and where that is.
+/// The largest black-sky albedo, and for light from where: looked for up to 80 degrees from the normal.
 struct MostAlbedo {
   double albedo = 1, zenith_deg = 0;
 };

@@ -13,7 +13,7 @@ std::vector<ShapeEntry> read_entries() {
 #define RC_SHAPE(name, role, reciprocal, conserves, text) \
   out.push_back({RC_SHAPE_##name, #name, ShapeRole::role, reciprocal != 0, conserves != 0, text, {}});
 #define RC_SHAPE_TABLE(name, text, source) out.back().table = true;
-#define RC_SHAPE_PARAMETER(name, index, key, unit, low, high, text)          \
+#define RC_SHAPE_PARAMETER(name, index, key, unit, low, high, text)         \
   static_assert((index) < 6, #name ": a shape has at most six parameters"); \
   out.back().parameters.push_back({key, unit, low, high, text});
 #include "kernels/materials/materials.def"

@@ -75,6 +75,7 @@ struct Instrument {
   std::string interleave = "bip";  ///< bip, bil, bsq
   bool write_exr = true, write_png = true;
   std::optional<double> integer_scale;  ///< write uint16 of round(radiance * scale)
+  bool first_opaque = false;            ///< truth of what lies behind leaves
   std::vector<BandTruth> band_truth;    ///< cubes of it, ascending
   bool all_parts = false;               ///< and all parts of the radiance that there are
   bool asks_for(BandTruth truth) const {

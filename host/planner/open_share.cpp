@@ -8,6 +8,8 @@
 #include "host/planner/sample_pattern.h"
 #include "host/planner/trial_pixels.h"
 #include "host/reference/contact.h"
+#include "scene_compiler/matter.h"
+#include "scene_compiler/shape_list.h"
 
 namespace raycube::planner {
 
@@ -43,6 +45,14 @@ struct PixelSeen {
     return low() * low() + 2 * low() * (1 - low()) * h + (1 - low()) * (1 - low()) * square;
   }
 };
+
+/// Whether some used material's shape may send more than its curve.
+bool reaches_far(const scene::CompiledScene& scene) {
+  const auto used = scene::used_families(scene);
+  return std::any_of(used.begin(), used.end(), [&](std::uint32_t material) {
+    return !scene::shape_entry(scene.materials[material].front.number).conserves;
+  });
+}
 
 /// radiance: [pixel][band]; a pixel counts by how bright it is, the darker ones as all do on average.
 plan::SkyRays::Met met_of(const std::vector<PixelSeen>& pixels, const std::vector<double>& radiance) {
@@ -87,6 +97,8 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   plan::Plan half = plan;
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
   half.bounces.levels = 0;
+  // By lobes that reach far above and below Lambert's a ray's sign would not tell its fate.
+  if (!plan.matter.glossy && reaches_far(scene)) half.matter.shaped = false;
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());
   std::vector<PixelSeen> pixels;

@@ -293,7 +293,9 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
 
 RenderedImage Renderer::no_replicates(const scene::Instrument& instrument) const {
   const std::size_t pixels = static_cast<std::size_t>(instrument.lines) * static_cast<std::size_t>(instrument.pixels);
-  return {ReplicateSums(pixels, instrument.bands.size(), scene::named_count(state_->scene)), {}};
+  return {ReplicateSums(pixels, instrument.bands.size(), scene::named_count(state_->scene),
+                        scene::named_count(state_->scene)),
+          {}};
 }
 
 void Renderer::add_replicates(const scene::Instrument& given, const plan::Plan& plan, const scene::Sun& sun,
@@ -303,7 +305,7 @@ void Renderer::add_replicates(const scene::Instrument& given, const plan::Plan& 
   const double processor_before_s = base::processor_seconds();
   if (!plan.truth.empty()) throw base::Error(base::Fault::bug, "replicates of a trial have no truth per band");
   scene::Instrument instrument = given;
-  instrument.small_objects = scene::SmallObjects::off;
+  instrument.small_objects = scene::SmallObjects::off, instrument.first_opaque = false;
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
   const TileSize size = tile_size(instrument, plan, state_->tuning.tile_samples);
   TilePasses passes(setup, size.lines, size.columns, state_->row_capacity(setup.shape), state_->tile_budget());

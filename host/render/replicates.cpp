@@ -21,11 +21,12 @@ void ReplicateSpread::add(const ReplicateSpread& other) {
   }
 }
 
-ReplicateSums::ReplicateSums(std::size_t pixels, std::size_t bands, std::size_t materials)
+ReplicateSums::ReplicateSums(std::size_t pixels, std::size_t bands, std::size_t materials, std::size_t shares)
     : pixels_(pixels),
       bands_(bands),
       materials_(materials),
-      layers_(truth::abundance + materials),
+      shares_(shares),
+      layers_(truth::abundance + shares),
       radiance_(pixels * bands),
       square_(pixels * bands),
       truth_(pixels * layers_) {}
@@ -38,7 +39,7 @@ void ReplicateSums::add(std::size_t first_pixel, std::size_t pixels, const float
     sum[i] += x, square[i] += x * x;
   }
   for (std::size_t p = 0; p < pixels; ++p)
-    add_truth(truth + p * layers, materials_, truth_.data() + (first_pixel + p) * layers_);
+    add_truth(truth + p * layers, shares_, truth_.data() + (first_pixel + p) * layers_);
 }
 
 void ReplicateSums::mean(std::size_t first_pixel, std::size_t pixels, float* radiance, float* truth,
@@ -46,7 +47,7 @@ void ReplicateSums::mean(std::size_t first_pixel, std::size_t pixels, float* rad
   for (std::size_t i = 0; i < pixels * bands_; ++i)
     radiance[i] = static_cast<float>(radiance_[first_pixel * bands_ + i] / count_);
   for (std::size_t p = 0; p < pixels; ++p)
-    mean_truth(truth_.data() + (first_pixel + p) * layers_, count_, materials_, truth + p * layers);
+    mean_truth(truth_.data() + (first_pixel + p) * layers_, count_, materials_, shares_, truth + p * layers);
 }
 
 ReplicateSpread ReplicateSums::spread(std::size_t bands) const {

@@ -16,7 +16,8 @@ std::uint64_t replicate_seed(std::uint64_t seed, int replicate);
 /// Sums over replicates of some pixels in order. Two replicates at least have a spread.
 class ReplicateSums {
  public:
-  ReplicateSums(std::size_t pixels, std::size_t bands, std::size_t materials);
+  /// shares: layers that are shares of a pixel, the materials' abundances first.
+  ReplicateSums(std::size_t pixels, std::size_t bands, std::size_t materials, std::size_t shares);
 
   /// Some pixels of one replicate: radiance [pixel][band], truth [pixel][layers].
   void add(std::size_t first_pixel, std::size_t pixels, const float* radiance, const float* truth, std::size_t layers);
@@ -31,7 +32,7 @@ class ReplicateSums {
   ReplicateSpread spread() const { return spread(bands_); }
 
  private:
-  std::size_t pixels_, bands_, materials_, layers_;
+  std::size_t pixels_, bands_, materials_, shares_, layers_;
   int count_ = 0;
   std::vector<double> radiance_, square_, truth_;
 };

@@ -118,7 +118,7 @@ LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrum
 TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity,
                        std::size_t table_bytes)
     : setup_(setup),
-      layers_(truth_layer_names(setup.scene).size()),
+      layers_(truth::abundance + share_layers(setup.scene, setup.instrument)),
       small_(small_objects_of(setup)),
       fine_bytes_(small_ ? table_bytes / kFineShare : 0),
       table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes - fine_bytes_),
@@ -137,7 +137,7 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
                      setup.sun,     setup.seed,          shape_of(*coarse_instrument_, setup.plan)};
   coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity,
                   setup.instrument.standard_error != scene::StandardError::off);
-  coarse.shape.sky_shadows = false, coarse.shape.bounces = false;
+  coarse.shape.sky_shadows = false, coarse.shape.bounces = false, coarse.shape.first_opaque = false;
   look_.emplace(coarse, table_, groups * setup.shape.pixels_per_group, 1, row_capacity, true);
 }
 
@@ -315,7 +315,8 @@ void TilePasses::run_replicate(int replicate, const Tile& tile, const TileOutput
 
 void TilePasses::run_replicates(const Tile& tile, const TileOutput& out) {
   const std::size_t pixels = tile.pixels();
-  ReplicateSums sums(pixels, setup_.shape.bands, scene::named_count(setup_.scene));
+  const std::size_t shares = std::min(share_layers(setup_.scene, setup_.instrument), out.layers - truth::abundance);
+  ReplicateSums sums(pixels, setup_.shape.bands, scene::named_count(setup_.scene), shares);
   std::vector<PixelTerms> terms(out.terms ? pixels : 0);
   for (int replicate = 0; replicate < setup_.instrument.replicates; ++replicate) {
     base::throw_if_interrupted();

@@ -59,7 +59,7 @@ class TilePasses {
   std::vector<shared::RayGroup> groups_of(int first_line, int lines, int first_group, int groups) const;
 
   RenderSetup setup_;
-  std::size_t layers_;                               ///< of the scene; standard errors follow
+  std::size_t layers_;                               ///< of the scene, all shares; standard errors follow
   std::optional<sensors::SmallObjectPixels> small_;  ///< none: nothing of the scene needs more samples
   std::size_t fine_bytes_;                           ///< of the table's, for tiles of pixels with more samples
   BandTable table_;

@@ -17,7 +17,8 @@ std::size_t StageShape::row_bytes(std::size_t capacity) const {
 
 std::size_t StageShape::pixel_bytes() const {
   return tile().bytes() + rows(0).pixel_bytes() + sizeof(shared::RayGroup) +
-         static_cast<std::size_t>(bands_padded) * sizeof(float);
+         static_cast<std::size_t>(bands_padded) * sizeof(float) +
+         (first_opaque ? tile().near * sizeof(std::uint32_t) : 0);
 }
 
 StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group) {
@@ -54,6 +55,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.channels =
       std::max({plan.source_channels() + (shape.covers ? 1 : 0), plan.path_channels(), plan.environment_channels()});
   shape.environment = !plan.environment.empty();
+  shape.first_opaque = instrument.first_opaque && plan.matter.through;
   shape.bounces = plan.bounces.any(), shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
   shape.bands = static_cast<int>(plan.columns());
   shape.bands_padded = RC_PADDED(shape.bands);
@@ -84,6 +86,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   trace("RC_STACK", static_cast<int>(stack_bound));
   trace("RC_MOVING", shape.moving);
   if (shape.matter.sides() > 1) both("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  if (shape.first_opaque) trace("RC_FIRST_OPAQUE", 1);
   rows("RC_SUN", shape.sun);
   rows("RC_TEMPERATURES", shape.temperatures);
   rows("RC_HEIGHTS", shape.heights);

@@ -31,9 +31,10 @@ struct StageShape {
   int pixels_per_group = RC_GROUP_WIDTH;
   int sun = 1, components = 0, thermal_components = 0, temperatures = 0;  ///< sources of a material row
   int heights = 1, views = 1, path_x = 1, path_y = 1;
-  int channels = 1;     ///< rows of the band table per key: max of source and path channels
-  bool covers = false;  ///< a material's coverage is a term: there is truth per band
-  int bands = 0;        ///< values of a pixel: bands, then those of truth per band
+  int channels = 1;           ///< rows of the band table per key: max of source and path channels
+  bool first_opaque = false;  ///< what is opaque behind leaves is traced for truth
+  bool covers = false;        ///< a material's coverage is a term: there is truth per band
+  int bands = 0;              ///< values of a pixel: bands, then those of truth per band
   int bands_padded = 0;
   bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
   scene::CameraMatter matter;

@@ -58,6 +58,8 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
       all_baked_(table_.capacity() > setup.plan.seen_curves.size() + setup.plan.environment.nodes()),
       named_(scene::named_materials(setup.scene)),
       term_histogram_(kHistogramBins, 0) {
+  if (setup.shape.first_opaque)
+    opaque_.emplace(setup.context, pixels * traced_.elements.near, cl::Access::read_write, "what is opaque");
   for (int subset = 0; errors && setup.shape.chunked() && subset < sensors::kSampleSubsets; ++subset)
     subset_rows_.emplace_back(setup.context, setup.shape, pixels, row_capacity);
   if (all_baked_) {
@@ -143,6 +145,7 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
   });
 
   if (probe) probe->groups = groups_;
+  std::vector<double> opaque(fills_opaque(out) ? pixels * scene::named_count(setup_.scene) : 0);
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
     trace_stages_.run(layout_, chunk, traced_, statistics_.stage_s);
     timed("shade", [&] {
@@ -152,6 +155,7 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
           row_stages_.shade({pixels, nullptr}, layout_, traced_, chunk, subset, chunk == 0, subset_rows_[subset]);
     });
     if (probe) collect(chunk, *probe);
+    if (!opaque.empty() && shape.first_opaque) timed("first opaque", [&] { add_first_opaque(chunk, opaque); });
   }
   std::vector<std::uint32_t> all_pixels(pixels);
   std::iota(all_pixels.begin(), all_pixels.end(), 0u);
@@ -170,6 +174,7 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
       std::transform(values.begin(), values.end(), out.radiance + pixel * bands,
                      [](double v) { return static_cast<float>(v); });
   });
+  if (!opaque.empty()) write_first_opaque(opaque, out);
   if (out.band_error) add_errors(all_pixels, out);
   double hit = 0;
   for (std::uint32_t p = 0; p < pixels; ++p) hit += out.truth[p * out.layers + truth::hit_fraction];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,7 +30,8 @@ struct RenderSetup {
 /// What becomes of a tile: arrays of the caller's, pixels in line order.
 struct TileOutput {
   float* radiance = nullptr;  ///< [pixel][column]: bands, then truth per band (plan::Plan::columns)
-  float* truth = nullptr;     ///< [pixel][layers]; the layers of truth_layer_names(scene) are filled
+  float* truth =
+      nullptr;  ///< [pixel][layers]; of them those of truth_layer_names(scene) are filled, and shares that are opaque
   std::size_t layers = 0;
   float* band_error = nullptr;  ///< [pixel][column], standard error (standard_error.h); NaN: not known. Or not wanted
   PixelTerms* terms = nullptr;  ///< [pixel], what the radiance is the sum of, in its order. Or not wanted
@@ -86,6 +88,12 @@ class TileWorker {
   /// Of a row that a key's light belongs to: whose abundance it counts.
   std::size_t material_of_key(std::uint64_t key) const;
   void write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const TileOutput& out);
+  /// Whether shares of what is opaque are asked for, and there is a place for them.
+  bool fills_opaque(const TileOutput& out) const;
+  /// Adds what a chunk's rays meet first of what lets no light through; shares: [pixel][material].
+  void add_first_opaque(int chunk, std::vector<double>& shares);
+  /// Files them; without leaves they are the abundances.
+  void write_first_opaque(const std::vector<double>& shares, const TileOutput& out) const;
   /// Files what the stages left of one chunk of samples.
   void collect(int chunk, PixelProbe& probe) const;
   std::array<double, 3> centre_direction(std::uint32_t pixel) const;
@@ -104,6 +112,7 @@ class TileWorker {
   std::vector<RowBuffers>
       subset_rows_;  ///< of the parts of samples that come in chunks; else rows_ serves them one by one
   cl::Buffer<float> radiance_;
+  std::optional<cl::Buffer<std::uint32_t>> opaque_;  ///< of a chunk, where they are traced
   TileLayout layout_;
   std::vector<shared::RayGroup> groups_;
   bool all_baked_;

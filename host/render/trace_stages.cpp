@@ -284,6 +284,25 @@ TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group)
   return rays;
 }
 
+void TraceStages::run_first_opaque(const TileLayout& layout, int chunk, const TraceBuffers& traced,
+                                   cl::Buffer<std::uint32_t>& opaque) {
+  State& s = *state_;
+  cl::Kernel kernel(*s.program, "first_opaque");
+  s.context.launch(kernel.arguments(FirstOpaqueArguments{.nodes = s.buffers.nodes,
+                                                         .blocks = s.buffers.blocks,
+                                                         .instances = s.buffers.instances,
+                                                         .lobes = s.buffers.lobes,
+                                                         .groups = traced.groups,
+                                                         .hits = traced.hits,
+                                                         .surface = traced.surface,
+                                                         .seed = s.seed,
+                                                         .columns = layout.columns,
+                                                         .first_sample = s.first_sample(chunk),
+                                                         .opaque = opaque}),
+                   layout.groups());
+  s.context.finish();
+}
+
 void TraceStages::run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced) {
   State& s = *state_;
   s.context.launch(s.primary_of(layout, chunk, traced), layout.groups());

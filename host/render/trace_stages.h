@@ -37,6 +37,11 @@ class TraceStages {
   /// Traces one chunk of samples of every pixel of the tile into `traced`. Adds the stages' wall seconds to `stage_s`.
   void run(const TileLayout& layout, int chunk, TraceBuffers& traced, std::map<std::string, double>& stage_s);
 
+  /// Of the chunk that run has traced: the first primitive on each sample's ray that lets no light through,
+  /// [pixel][slot of the near side]; the shape has first_opaque.
+  void run_first_opaque(const TileLayout& layout, int chunk, const TraceBuffers& traced,
+                        cl::Buffer<std::uint32_t>& opaque);
+
   /// Only the primary rays of that chunk: traced.hits.
   void run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced);
 

@@ -7,6 +7,7 @@
 
 #include "host/base/units.h"
 #include "kernels/shared/tile_layout.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::render {
 
@@ -24,6 +25,15 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene) {
 
 namespace {
 
+/// Number from 1 of the largest share among the materials that count, ties to the lower; 0: there is none.
+template <class Counts>
+float largest_share(const float* shares, std::size_t materials, Counts&& counts) {
+  float best = 0, id = 0;
+  for (std::size_t m = 0; m < materials; ++m)
+    if (shares[m] > best && counts(m)) best = shares[m], id = static_cast<float>(m + 1);
+  return id;
+}
+
 bool knows_temperatures(const scene::CompiledScene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
                      [](const scene::Material& material) { return material.temperature_K > 0; });
@@ -31,37 +41,71 @@ bool knows_temperatures(const scene::CompiledScene& scene) {
 
 }  // namespace
 
+std::size_t share_layers(const scene::CompiledScene& scene, const scene::Instrument& instrument) {
+  return scene::named_count(scene) * (instrument.first_opaque ? 2 : 1);
+}
+
 std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, const scene::Instrument& instrument) {
   std::vector<LayerName> layers = truth_layer_names(scene);
+  if (instrument.first_opaque)
+    for (const auto& material : scene.materials)
+      if (material.in_family == 0)
+        layers.push_back({"opaque_" + material.name, "1",
+                          "share of the pixel whose rays meet " + material.name +
+                              " first of what lets no light through, past all leaves"});
   if (instrument.standard_error != scene::StandardError::off) {
     layers.push_back(
         {"standard_error", "1",
          "of the samples: the worst band's, over that band's mean over the scene; not a number: not known"});
     layers.push_back({"not_converged", "1", "1: the standard error is above the tolerance or not known"});
   }
-  if (knows_temperatures(scene))
+  const bool warm = knows_temperatures(scene);
+  if (warm)
     layers.push_back(
         {"temperature_K", "K", "mean of the materials that are seen, by their areas; not a number where one has none"});
+  if (!instrument.first_opaque) return layers;
+  for (const std::string kind : {"opaque", "transparent"}) {
+    const std::string what = kind == "opaque" ? "first lets no light through" : "is seen and lets light through";
+    layers.push_back({kind + "_material_id", "index", "material with the largest share of what " + what + "; 0: none"});
+    if (warm) layers.push_back({kind + "_temperature_K", "K", "mean temperature of what " + what});
+  }
   return layers;
 }
 
 DerivedLayers::DerivedLayers(const scene::CompiledScene& scene, const scene::Instrument& instrument)
-    : stride_(truth_layer_names(scene, instrument).size()) {
-  if (!knows_temperatures(scene)) return;
-  for (const auto& material : scene.materials)
-    if (material.in_family == 0)
-      temperature_K_.push_back(material.temperature_K > 0 ? material.temperature_K
-                                                          : std::numeric_limits<double>::quiet_NaN());
+    : stride_(truth_layer_names(scene, instrument).size()),
+      first_(truth::abundance + share_layers(scene, instrument) +
+             (instrument.standard_error != scene::StandardError::off ? 2 : 0)),
+      materials_(scene::named_count(scene)),
+      knows_temperatures_(knows_temperatures(scene)),
+      first_opaque_(instrument.first_opaque) {
+  for (const auto& material : scene.materials) {
+    if (material.in_family != 0) continue;
+    temperature_K_.push_back(material.temperature_K > 0 ? material.temperature_K
+                                                        : std::numeric_limits<double>::quiet_NaN());
+    through_.push_back(scene::lets_light_through(material));
+  }
 }
 
 void DerivedLayers::fill(std::size_t pixels, float* layers) const {
-  if (temperature_K_.empty()) return;
-  for (std::size_t p = 0; p < pixels; ++p, layers += stride_) {
+  const auto mean_K = [&](const float* shares, auto&& counts) {
     double covered = 0, sum = 0;
-    for (std::size_t m = 0; m < temperature_K_.size(); ++m)
-      if (const double share = double{layers[truth::abundance + m]}; share > 0)
+    for (std::size_t m = 0; m < materials_; ++m)
+      if (const double share = double{shares[m]}; share > 0 && counts(m))
         covered += share, sum += share * temperature_K_[m];
-    layers[stride_ - 1] = covered > 0 ? static_cast<float>(sum / covered) : std::numeric_limits<float>::quiet_NaN();
+    return covered > 0 ? static_cast<float>(sum / covered) : std::numeric_limits<float>::quiet_NaN();
+  };
+  const auto all = [](std::size_t) { return true; };
+  const auto through = [&](std::size_t m) { return through_[m] != 0; };
+  for (std::size_t p = 0; p < pixels; ++p, layers += stride_) {
+    const float *seen = layers + truth::abundance, *opaque = seen + materials_;
+    float* to = layers + first_;
+    if (knows_temperatures_) *to++ = mean_K(seen, all);
+    if (!first_opaque_) continue;
+    *to++ = largest_share(opaque, materials_, all);
+    if (knows_temperatures_) *to++ = mean_K(opaque, all);
+    *to++ = largest_share(seen, materials_, through);
+    if (knows_temperatures_) *to++ = mean_K(seen, through);
   }
 }
 
@@ -81,25 +125,22 @@ float angle_deg(double cosine) {
 
 /// The material with the largest abundance, from 1; 0: none.
 float main_material(const float* layers, std::size_t materials) {
-  float best = 0, id = 0;
-  for (std::size_t m = 0; m < materials; ++m)
-    if (layers[truth::abundance + m] > best) best = layers[truth::abundance + m], id = static_cast<float>(m + 1);
-  return id;
+  return largest_share(layers + truth::abundance, materials, [](std::size_t) { return true; });
 }
 
 }  // namespace
 
-void add_truth(const float* layers, std::size_t materials, double* sums) {
+void add_truth(const float* layers, std::size_t shares, double* sums) {
   const double hit = layers[truth::hit_fraction];
   sums[truth::hit_fraction] += hit;
   for (const auto layer : kInCommon) sums[layer] = layers[layer];
-  for (std::size_t m = 0; m < materials; ++m) sums[truth::abundance + m] += layers[truth::abundance + m];
+  for (std::size_t m = 0; m < shares; ++m) sums[truth::abundance + m] += layers[truth::abundance + m];
   if (hit == 0) return;
   for (const auto layer : kOverHits) sums[layer] += hit * layers[layer];
   for (const auto layer : kAngles) sums[layer] += hit * std::cos(base::rad_from_deg(layers[layer]));
 }
 
-void mean_truth(const double* sums, int count, std::size_t materials, float* layers) {
+void mean_truth(const double* sums, int count, std::size_t materials, std::size_t shares, float* layers) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const double hit = sums[truth::hit_fraction];
   layers[truth::hit_fraction] = static_cast<float>(hit / count);
@@ -107,7 +148,7 @@ void mean_truth(const double* sums, int count, std::size_t materials, float* lay
   for (const auto layer : kOverHits) layers[layer] = hit > 0 ? static_cast<float>(sums[layer] / hit) : kNone;
   if (hit == 0) layers[truth::sun_fraction] = 0;
   for (const auto layer : kAngles) layers[layer] = hit > 0 ? angle_deg(sums[layer] / hit) : kNone;
-  for (std::size_t m = 0; m < materials; ++m)
+  for (std::size_t m = 0; m < shares; ++m)
     layers[truth::abundance + m] = static_cast<float>(sums[truth::abundance + m] / count);
   layers[truth::material_id] = main_material(layers, materials);
 }

@@ -93,8 +93,8 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   }
   planner::add_small_objects(job.decision, instrument, small.get());
   planner::apply(job.decision, *planned, job.plan);
-  if (!plan::truth_columns(job.plan, instrument).empty()) {
-    job.decision.image.reset();  // it has no truth per band
+  if (instrument.first_opaque || !plan::truth_columns(job.plan, instrument).empty()) {
+    job.decision.image.reset();  // it has no such truth
     if (planning.renderer) load_programs(*planned, *render_plan(job));
   }
   services.log.set_status("");

@@ -78,6 +78,23 @@ static inline RcAngles rc_angles(const RcLocal& normal, const RcLocal& in, const
 }
 #endif
 
+/* The same with zenith angles no larger than that of cosine `least`, azimuths as they are: models of ground are not
+ * meant to hold towards the horizon. What concerns the half vector stays. */
+static inline RcAngles rc_held(RcAngles a, rc_real least) {
+  if (a.cos_in >= least && a.cos_out >= least) return a;
+  const rc_real in = fmax(a.cos_in, least), out = fmax(a.cos_out, least), one = RC_REAL(1.0);
+  const rc_real was = (one - a.cos_in * a.cos_in) * (one - a.cos_out * a.cos_out);
+  const rc_real sines = sqrt(fmax((one - in * in) * (one - out * out), RC_REAL(0.0)));
+  const rc_real scale = was > 0 ? sines / sqrt(was) : one;
+  a.along *= scale;
+  a.across *= scale;
+  a.apart2 = (one - in * in) / (in * in) + (one - out * out) / (out * out) - RC_REAL(2.0) * a.along / (in * out);
+  a.apart2 = fmax(a.apart2, RC_REAL(0.0));
+  a.cos_in = in;
+  a.cos_out = out;
+  return a;
+}
+
 /* Directions by the cosine law: pdf cos / pi. */
 static inline RcLocal rc_cosine_law(rc_real u, rc_real v) {
   const rc_real r = sqrt(u), angle = RC_REAL(6.283185307179586) * v;

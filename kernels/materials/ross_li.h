@@ -18,7 +18,7 @@ static inline rc_real rc_ross_thick(rc_real phase, rc_real cos_in, rc_real cos_o
   return fma(RC_REAL(1.5707963267948966) - turn, phase, sine) / (cos_in + cos_out) - RC_REAL(0.78539816339744831);
 }
 
-/* secants: of both zenith angles, their sum; across: tan tan |sin azimuth|. */
+/* across: sin sin |sin azimuth|, as in RcAngles. */
 static inline rc_real rc_li_sparse(rc_real phase, rc_real cos_in, rc_real cos_out, rc_real apart2, rc_real across) {
   const rc_real over = RC_REAL(1.0) / (cos_in * cos_out), secants = (cos_in + cos_out) * over;
   const rc_real t = across * over;
@@ -28,11 +28,13 @@ static inline rc_real rc_li_sparse(rc_real phase, rc_real cos_in, rc_real cos_ou
   return overlap - secants + RC_REAL(0.5) * (RC_REAL(1.0) + phase) * over;
 }
 
+/* Beyond 80 degrees from the normal directions count as at 80, where the kernels would grow beyond bounds. */
 static inline rc_real rc_ross_li_eval(rc_real scale, RcParameters p, RcAngles a) {
   if (!(a.cos_in > 0 && a.cos_out > 0)) return 0;
-  const rc_real phase = fmin(fmax(fma(a.cos_in, a.cos_out, a.along), RC_REAL(-1.0)), RC_REAL(1.0));
-  const rc_real volumetric = rc_ross_thick(phase, a.cos_in, a.cos_out),
-                geometric = rc_li_sparse(phase, a.cos_in, a.cos_out, a.apart2, a.across);
+  const RcAngles b = rc_held(a, RC_REAL(0.17364817766693033));
+  const rc_real phase = fmin(fmax(fma(b.cos_in, b.cos_out, b.along), RC_REAL(-1.0)), RC_REAL(1.0));
+  const rc_real volumetric = rc_ross_thick(phase, b.cos_in, b.cos_out),
+                geometric = rc_li_sparse(phase, b.cos_in, b.cos_out, b.apart2, b.across);
   return scale * RC_INVERSE_PI * fmax(fma(p.of[0], volumetric, fma(p.of[1], geometric, RC_REAL(1.0))), RC_REAL(0.0));
 }
 static inline RcLocal rc_ross_li_sample(RcParameters p, RcLocal in, rc_real u, rc_real v) {

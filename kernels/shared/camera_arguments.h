@@ -109,6 +109,19 @@
   VALUE(rc_uint, sample_count) NEXT() \
   WRITE(rc_float, glow)
 
+#define RC_FIRST_OPAQUE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  SCENE(BvhNode, nodes, NODES) NEXT() \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Instance, instances, INSTANCES) NEXT() \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES] */ \
+  READ(RayGroup, groups) NEXT() \
+  READ(rc_uint, hits) NEXT() \
+  READ(rc_float, surface) NEXT() \
+  VALUE(rc_uint, seed) NEXT() \
+  VALUE(rc_uint, columns) NEXT() \
+  VALUE(rc_uint, first_sample) NEXT() \
+  WRITE(rc_uint, opaque)
+
 #define RC_SHADE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   VALUE(rc_uint, item_count) NEXT() \
   READ(rc_uint, pixel_list) NEXT()    /* [item]: pixel of the tile, where use_list; else they are the same */ \

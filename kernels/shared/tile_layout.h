@@ -20,6 +20,8 @@
  *   glow      float   [RC_PATH_PARTS][RC_SKELETON]  where light goes on from surface to surface (RC_BOUNCES): by part
  *                                               of the samples, what it adds at the skeleton wavelengths, per light
  *                                               of the sun and its sky together; the parts' sum is the pixel's
+ *   opaque    uint    [near slots]               where it is asked for (RC_FIRST_OPAQUE): the first primitive on the
+ *                                               sample's ray that lets no light through, or RC_NONE
  * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
@@ -123,6 +125,9 @@
 #ifndef RC_COVERS
 #define RC_COVERS 0 /* 1: what covers a pixel is a term of its own: there is truth per band */
 #endif
+#ifndef RC_FIRST_OPAQUE
+#define RC_FIRST_OPAQUE 0 /* 1: what is opaque behind leaves is asked for */
+#endif
 #ifndef RC_BOUNCES
 #define RC_BOUNCES 0 /* 1: light comes by surfaces after the first */
 #endif
@@ -152,6 +157,7 @@
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
 #define RC_MET_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
 #define RC_GLOW_AT(pixel, part) (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_SKELETON) /* a part's first element */
+#define RC_FIRST_OPAQUE_AT(pixel) ((size_t)(pixel)*RC_NEAR_SAMPLES)
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
 /* An item's first element, and a key's sums from there. */
 #define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))

@@ -107,6 +107,7 @@ TEST_CASE("shapes: rough matter as Oren & Nayar have it, in Fujii's form, worked
 
 /// RPV from the angles of its paper: light from zenith angle a, viewer at b, azimuths apart by `turn` (0: one side).
 double rpv_by_angles(double a, double b, double turn, double k, double theta, double rho_c) {
+  a = std::min(a, 80 * kPi / 180), b = std::min(b, 80 * kPi / 180);  // beyond, directions count as there
   const double m = std::pow(std::cos(a) * std::cos(b) * (std::cos(a) + std::cos(b)), k - 1);
   const double cos_g = std::cos(a) * std::cos(b) + std::sin(a) * std::sin(b) * std::cos(turn);
   const double f = (1 - theta * theta) / std::pow(1 + 2 * theta * cos_g + theta * theta, 1.5);
@@ -139,22 +140,20 @@ TEST_CASE("S21 shapes: kernels of Ross and Li at the nadir, in their hot spot, a
   // Phase angle 0 at 60 degrees: (pi / 2) / (2 cos) - pi / 4; half the secants' sum less the sum, plus their product.
   CHECK(pi_f(1, 0, kPi / 3, 0) == doctest::Approx(1 + kPi / 4).epsilon(1e-7));
   CHECK(pi_f(0, 0.5, kPi / 3, 0) == doctest::Approx(1 + 0.5 * 2).epsilon(1e-7));
-  // White-sky integrals and fits of black-sky ones in the zenith angle: Lucht, Schaaf & Strahler (2000), table 1.
+  // Integrals by numpy, over 2000 x 2000 directions at 45 degrees and 400 x 600 x 600 in all, where angles beyond 80
+  // degrees count as 80. The same code without that finds 0.18910 and -1.37728 for white-sky albedos, published are
+  // 0.189184 and -1.377622 (Lucht, Schaaf & Strahler 2000, table 1).
   const auto integrals = [](double volumetric, double geometric, double over) {
     scene::Shape shape{RC_SHAPE_ross_li};
     shape.parameter = {volumetric, geometric};
     return std::pair((scene::white_sky_albedo(shape) - 1) / over, (scene::black_sky_albedo(shape, kPi / 4) - 1) / over);
   };
-  const double z = kPi / 4;
   const auto [thick, thick_45] = integrals(0.5, 0, 0.5);
-  const auto [sparse, sparse_45] = integrals(0, 0.01, 0.01);  // of which nothing is cut off at 0
-  CHECK(thick == doctest::Approx(0.189184).epsilon(0.01));
-  CHECK(sparse == doctest::Approx(-1.377622).epsilon(0.01));
-  // The fits are good to 0.02; the integrals themselves by numpy over 2000 x 2000 directions.
-  CHECK(std::abs(thick_45 - (-0.007574 - 0.070987 * z * z + 0.307588 * z * z * z)) < 0.02);
-  CHECK(std::abs(sparse_45 - (-1.284909 - 0.166314 * z * z + 0.041840 * z * z * z)) < 0.02);
-  CHECK(std::abs(thick_45 - 0.1143951) < 1e-3);
-  CHECK(std::abs(sparse_45 - -1.3658777) < 5e-3);
+  const auto [sparse, sparse_45] = integrals(0, 0.1, 0.1);  // of which nothing is cut off at 0
+  CHECK(std::abs(thick - 0.178808) < 2e-3);
+  CHECK(std::abs(sparse - -1.362211) < 5e-3);
+  CHECK(std::abs(thick_45 - 0.111649) < 2e-3);
+  CHECK(std::abs(sparse_45 - -1.318979) < 5e-3);
 }
 
 TEST_CASE("shapes: a surface of curve 1 gives back no more than it gets, and its density integrates to 1 or less") {

@@ -31,7 +31,7 @@ std::vector<float> mean_of(const std::vector<std::vector<float>>& images) {
   std::vector<double> sums(images[0].size());
   for (const auto& layers : images) add_truth(layers.data(), 2, sums.data());
   std::vector<float> out(images[0].size());
-  mean_truth(sums.data(), static_cast<int>(images.size()), 2, out.data());
+  mean_truth(sums.data(), static_cast<int>(images.size()), 2, 2, out.data());
   return out;
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("the spread of replicates is what their mean errs, and says how well i
   constexpr std::size_t kPixels = 4000, kBands = 2;
   std::mt19937_64 random(5);
   for (const int replicates : {2, 4, 8}) {
-    ReplicateSums sums(kPixels, kBands, 1);
+    ReplicateSums sums(kPixels, kBands, 1, 1);
     const std::vector<float> layers(kPixels * (truth::abundance + 1), 0.0f);
     for (int r = 0; r < replicates; ++r) {
       std::vector<float> radiance;
