@@ -1,4 +1,5 @@
-// What lies behind the leaves of a tile: shares of materials by the first surface on each ray that lets no light through.
+// What lies behind the leaves of a tile: shares of materials by the first surface on each ray that lets no light
+// through.
 #include <algorithm>
 
 #include "host/render/tile_worker.h"
