@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "scene_compiler/shape_list.h"
+
 namespace raycube::scene {
 
 namespace {
@@ -51,6 +53,7 @@ double white_sky_albedo(const Shape& shape) {
 }
 
 MostAlbedo most_albedo(const Shape& shape) {
+  if (shape_entry(shape.number).conserves) return {1, 0};
   static thread_local std::pair<Shape, MostAlbedo> last{};  // members of a family have one shape
   if (last.first == shape) return last.second;
   MostAlbedo most{0, 0};

@@ -12,7 +12,8 @@ double black_sky_albedo(const Shape& shape, double zenith_rad);
 /// Share of light of an even sky that leaves (white-sky albedo); 1 by Lambert's law.
 double white_sky_albedo(const Shape& shape);
 
-/// The largest black-sky albedo, and for light from where: looked for up to 80 degrees from the normal.
+/// The largest black-sky albedo, and for light from where: looked for up to 80 degrees from the normal; 1 of shapes
+/// that conserve energy whatever their parameters.
 struct MostAlbedo {
   double albedo = 1, zenith_deg = 0;
 };

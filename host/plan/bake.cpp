@@ -53,10 +53,7 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
     if (curve > scene::curve_count(scene))
       throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " +
                                               std::to_string(scene::curve_count(scene)));
-    const auto& owner = scene.materials[scene::material_of_curve(scene, curve)];
-    const std::vector<double> values = scene::carries_light(scene, curve)
-                                           ? sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um)
-                                           : std::vector<double>(product.size(), 0.0);
+    const std::vector<double> values = curve_on(scene, curve, plan.wavelength_um);
     for (std::size_t i = 0; i < product.size(); ++i) product[i] *= values[i];
   }
   return product;

@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <memory>
 
 #include "host/plan/baked_rows.h"
 #include "host/plan/band_space.h"
 #include "host/plan/curve.h"
 #include "host/plan/node_choice.h"
+#include "host/plan/quadrature.h"
 #include "host/plan/sky_factors.h"
+#include "host/plan/spectral_plan.h"
 #include "host/plan/table_spectra.h"
 #include "host/plan/thermal_plan.h"
 #include "kernels/shared/product_key.h"
@@ -65,24 +66,6 @@ std::vector<scene::BandTruth> truth_columns(const Plan& plan, const scene::Instr
 
 namespace {
 
-/// What a spectrum on the grid is in each band.
-std::vector<float> in_bands(const Plan& plan, const std::function<double(std::size_t)>& spectrum) {
-  std::vector<float> out;
-  for (const BandQuadrature& band : plan.bands) {
-    double sum = 0;
-    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * spectrum(band.first + i);
-    out.push_back(static_cast<float>(sum));
-  }
-  return out;
-}
-
-/// A material's curve on the grid; zeros without one.
-std::vector<double> on_grid(const Plan& plan, const scene::CompiledScene& scene, std::uint32_t curve) {
-  if (!scene::carries_light(scene, curve)) return std::vector<double>(plan.wavelength_um.size(), 0.0);
-  const scene::Material& owner = scene.materials[scene::material_of_curve(scene, curve)];
-  return sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um);
-}
-
 /// Columns of a cube of truth in a row.
 class Columns {
  public:
@@ -92,8 +75,9 @@ class Columns {
   void copy_radiance(std::size_t channel) {
     std::copy_n(row_.begin() + at(channel, 0), bands_, row_.begin() + at(channel, first_));
   }
-  void put(std::size_t channel, const std::vector<float>& values) {
-    std::copy(values.begin(), values.end(), row_.begin() + at(channel, first_));
+  void put(std::size_t channel, const std::vector<double>& values) {
+    std::transform(values.begin(), values.end(), row_.begin() + at(channel, first_),
+                   [](double value) { return static_cast<float>(value); });
   }
 
  private:
@@ -114,14 +98,14 @@ void put_irradiance(const Plan& plan, Columns& columns) {
 }  // namespace
 
 void fill_incident(Plan& plan, const TableSpectra& air, const BandSpace& bands, const PlannedSkies& skies,
-                   const std::vector<double>& grid_um, int threads) {
+                   const SpectralPlan& spectral, int threads) {
   const auto heights = static_cast<std::size_t>(plan.height.count);
-  plan.incident_spectrum.resize(static_cast<std::size_t>(plan.first_emission()) * heights);
+  plan.incident.resize(static_cast<std::size_t>(plan.first_emission()) * heights);
   for (std::size_t h = 0; h < heights; ++h) {
     const double z = node_position(plan.height, static_cast<int>(h));
     std::size_t source = 0;
-    const auto add = [&](std::vector<double> spectrum) {
-      plan.incident_spectrum[source++ * heights + h] = std::move(spectrum);
+    const auto add = [&](const std::vector<double>& spectrum) {
+      plan.incident[source++ * heights + h] = in_bands(spectral.bands, spectrum);
     };
     if (plan.sun_sources > 0) add(bands.to_grid(air.sun(z)));
     const SkySpectra solar = sky_spectra(skies.solar, air, z, nullptr, threads);
@@ -129,7 +113,7 @@ void fill_incident(Plan& plan, const TableSpectra& air, const BandSpace& bands, 
     if (!plan.thermal.on) continue;
     const SkySpectra warm = sky_spectra(skies.thermal, air, z, nullptr, threads);
     for (int m = 0; m < plan.thermal.sky_components; ++m) add(bands.to_grid(warm[static_cast<std::size_t>(m)]));
-    add(planck_spectrum(grid_um, plan.thermal.surroundings_K));
+    add(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
   }
 }
 
@@ -152,8 +136,6 @@ Plan with_truth(const Plan& plan, const std::vector<scene::BandTruth>& cubes) {
   Plan out = plan;
   out.truth = cubes;
   out.baked = std::make_shared<BakedRows>();
-  for (const auto& spectrum : plan.incident_spectrum)
-    out.incident.push_back(in_bands(plan, [&](std::size_t i) { return spectrum[i]; }));
   return out;
 }
 
@@ -166,7 +148,8 @@ void bake_truth(const Plan& plan, const scene::CompiledScene& scene, std::uint64
   const std::size_t channels = row.size() / padded - (product ? 1 : 0);
   const auto coverage = static_cast<std::size_t>(plan.coverage_channel());
   const auto curve = [&](auto&& curve_of_material) {
-    return on_grid(plan, scene, curve_of_material(scene, scene::material_of_curve(scene, rc_key_curve(key, 0))));
+    return curve_on(scene, curve_of_material(scene, scene::material_of_curve(scene, rc_key_curve(key, 0))),
+                    plan.wavelength_um);
   };
   for (std::size_t cube = 0; cube < plan.truth.size(); ++cube) {
     Columns columns(plan, cube, padded, row);
@@ -177,11 +160,12 @@ void bake_truth(const Plan& plan, const scene::CompiledScene& scene, std::uint64
     } else if (seen && truth == irradiance) {
       put_irradiance(plan, columns);
     } else if (seen && truth == reflectance) {
-      const auto reflected = curve(scene::reflectance_curve);
-      columns.put(coverage, in_bands(plan, [&](std::size_t i) { return reflected[i]; }));
+      columns.put(coverage, in_bands(plan.bands, curve(scene::reflectance_curve)));
     } else if (seen && truth == emissivity) {
-      const auto reflected = curve(scene::reflectance_curve), through = curve(scene::transmittance_curve);
-      columns.put(coverage, in_bands(plan, [&](std::size_t i) { return 1 - reflected[i] - through[i]; }));
+      auto emitted = curve(scene::reflectance_curve);
+      const auto through = curve(scene::transmittance_curve);
+      for (std::size_t i = 0; i < emitted.size(); ++i) emitted[i] = 1 - emitted[i] - through[i];
+      columns.put(coverage, in_bands(plan.bands, emitted));
     }
   }
 }

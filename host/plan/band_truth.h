@@ -12,6 +12,7 @@ namespace raycube::plan {
 class BandSpace;
 class TableSpectra;
 struct SkyFactors;
+struct SpectralPlan;
 
 /// Which part of the radiance a term belongs to: what lies in a row's channel.
 scene::BandTruth light_kind(const Plan& plan, std::uint64_t key, int channel);
@@ -27,10 +28,10 @@ struct PlannedSkies {
   const SkyFactors &solar, &thermal;
 };
 
-/// What falls onto a surface of each source that lights it, at the nodes of height: Plan::incident_spectrum on the
-/// grid, um. threads: 0: as many as the machine has.
+/// What falls onto a surface of each source that lights it, at the nodes of height: Plan::incident. threads: 0: as many
+/// as the machine has.
 void fill_incident(Plan& plan, const TableSpectra& air, const BandSpace& bands, const PlannedSkies& skies,
-                   const std::vector<double>& grid_um, int threads);
+                   const SpectralPlan& spectral, int threads);
 
 /// Tells that the cubes which an instrument asks for will lack light that is too faint to be seen beside thermal light;
 /// shares of the radiance, 0: it is there.

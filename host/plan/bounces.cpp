@@ -13,7 +13,6 @@
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/shape_energy.h"
-#include "scene_compiler/shape_list.h"
 
 namespace raycube::plan {
 
@@ -380,9 +379,7 @@ std::vector<shared::rc_float4> surface_scattering(const scene::CompiledScene& sc
         const auto id =
             through ? scene::transmittance_curve(scene, material) : scene::reflectance_curve(scene, material);
         // What a shape may send beyond its curve, paths may carry: else they would end too early, and weigh too much.
-        const scene::Shape& front = scene.materials[material].front;
-        const double most =
-            through || scene::shape_entry(front.number).conserves ? 1 : scene::most_albedo(front).albedo;
+        const double most = through ? 1 : scene::most_albedo(scene.materials[material].front).albedo;
         for (std::size_t m = 0; m < count; ++m)
           side[through][m] += most * static_cast<double>(fraction) * static_cast<double>(curve[(id - 1) * padded + m]);
       }

@@ -4,6 +4,7 @@
 
 #include "host/base/error.h"
 #include "host/plan/sky_basis.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::plan {
 
@@ -27,6 +28,13 @@ std::vector<double> sample_curve(const scene::Material& material, const scene::C
     out.push_back((1 - cell.fraction) * y[cell.index] + cell.fraction * y[cell.index + 1]);
   }
   return out;
+}
+
+std::vector<double> curve_on(const scene::CompiledScene& scene, std::uint32_t curve,
+                             const std::vector<double>& wavelength_um) {
+  if (!scene::carries_light(scene, curve)) return std::vector<double>(wavelength_um.size(), 0.0);
+  return sample_curve(scene.materials[scene::material_of_curve(scene, curve)], scene::curve_of(scene, curve),
+                      wavelength_um);
 }
 
 std::vector<double> sample_reflectance(const scene::Material& material, const std::vector<double>& wavelength_um) {

@@ -459,7 +459,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const ChosenSkies skies = take_choice(plan, setting, light, levels, chosen.nodes);
   fill_spectra(plan, setting, skies);
   if (instrument.asks_for(scene::BandTruth::irradiance))
-    fill_incident(plan, air, bands, {skies.solar, skies.thermal}, spectral.wavelength_um, threads);
+    fill_incident(plan, air, bands, {skies.solar, skies.thermal}, spectral, threads);
   if (!plan.environment.empty()) add_environment_spectra(plan, simulation, air, bands, covered, spectral.wavelength_um);
   double map_error = 0;
   if (plan.sky_components > 0)

@@ -220,10 +220,9 @@ struct Plan {
   IrradianceMap irradiance;
   Bounces bounces;
   std::vector<scene::BandTruth> truth;  ///< cubes that a render makes beside the radiance: of a plan to render by alone
-  /// [source * height.count + h][grid]: what of a source's scalar 1 falls onto a surface, W m-2 um-1, of those that
+  /// [source * height.count + h][band]: what of a source's scalar 1 falls onto a surface, W m-2 um-1, of those that
   /// light it; empty unless the instrument asks for irradiance.
-  std::vector<std::vector<double>> incident_spectrum;
-  std::vector<std::vector<float>> incident;  ///< the same, [band]: of a plan that makes irradiance
+  std::vector<std::vector<double>> incident;
   std::string
       refusal;  ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
   std::vector<std::string> notices;  ///< what the user should know though it is no error

@@ -125,4 +125,14 @@ BandQuadrature band_quadrature(const scene::Band& band, const SpectralGrid& grid
   return quadrature;
 }
 
+std::vector<double> in_bands(const std::vector<BandQuadrature>& bands, const std::vector<double>& spectrum) {
+  std::vector<double> out;
+  for (const BandQuadrature& band : bands) {
+    double sum = 0;
+    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * spectrum[band.first + i];
+    out.push_back(sum);
+  }
+  return out;
+}
+
 }  // namespace raycube::plan

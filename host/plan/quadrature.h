@@ -36,6 +36,9 @@ SpectralGrid make_spectral_grid(std::vector<double> breakpoints, const std::vect
 /// response sits inside one interval.
 BandQuadrature band_quadrature(const scene::Band& band, const SpectralGrid& grid);
 
+/// What a spectrum on the bands' grid is in each of them.
+std::vector<double> in_bands(const std::vector<BandQuadrature>& bands, const std::vector<double>& spectrum);
+
 /// Nodes and weights of the n-point Gauss-Legendre rule on [-1, 1].
 std::vector<std::pair<double, double>> gauss_legendre(int n);
 

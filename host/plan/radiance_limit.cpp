@@ -6,6 +6,7 @@
 
 #include "atmos_tables/interpolate.h"
 #include "host/base/planck.h"
+#include "host/plan/quadrature.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
@@ -100,13 +101,7 @@ std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene&
     for (const auto& spectrum : plan.path_spectrum) brightest = std::max(brightest, spectrum[i]);
     limit[i] += brightest;
   }
-  std::vector<double> out;
-  for (const BandQuadrature& band : plan.bands) {
-    double sum = 0;
-    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * limit[band.first + i];
-    out.push_back(sum);
-  }
-  return out;
+  return in_bands(plan.bands, limit);
 }
 
 }  // namespace raycube::plan

@@ -110,6 +110,7 @@ struct TraceStages::State {
         sky(*program, "trace_sky"),
         sky_map(context_, plan_),
         open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {
+    if (shape.first_opaque) opaque.emplace(*program, "first_opaque");
     if (shape.bounces) paths.emplace(context, *program, plan, shape, std::move(weights_));
   }
 
@@ -246,7 +247,8 @@ struct TraceStages::State {
   SkyMapBuffers sky_map;
   cl::Buffer<float> open_share;
   std::optional<PathStage> paths;
-  const void* zeroed = nullptr;  ///< buffers whose unused visibility has been cleared
+  std::optional<cl::Kernel> opaque;  ///< first_opaque, where the shape has it
+  const void* zeroed = nullptr;      ///< buffers whose unused visibility has been cleared
 };
 
 TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
@@ -287,18 +289,17 @@ TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group)
 void TraceStages::run_first_opaque(const TileLayout& layout, int chunk, const TraceBuffers& traced,
                                    cl::Buffer<std::uint32_t>& opaque) {
   State& s = *state_;
-  cl::Kernel kernel(*s.program, "first_opaque");
-  s.context.launch(kernel.arguments(FirstOpaqueArguments{.nodes = s.buffers.nodes,
-                                                         .blocks = s.buffers.blocks,
-                                                         .instances = s.buffers.instances,
-                                                         .lobes = s.buffers.lobes,
-                                                         .groups = traced.groups,
-                                                         .hits = traced.hits,
-                                                         .surface = traced.surface,
-                                                         .seed = s.seed,
-                                                         .columns = layout.columns,
-                                                         .first_sample = s.first_sample(chunk),
-                                                         .opaque = opaque}),
+  s.context.launch(s.opaque->arguments(FirstOpaqueArguments{.nodes = s.buffers.nodes,
+                                                            .blocks = s.buffers.blocks,
+                                                            .instances = s.buffers.instances,
+                                                            .lobes = s.buffers.lobes,
+                                                            .groups = traced.groups,
+                                                            .hits = traced.hits,
+                                                            .surface = traced.surface,
+                                                            .seed = s.seed,
+                                                            .columns = layout.columns,
+                                                            .first_sample = s.first_sample(chunk),
+                                                            .opaque = opaque}),
                    layout.groups());
   s.context.finish();
 }

@@ -50,7 +50,7 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, cons
   if (instrument.first_opaque)
     for (const auto& material : scene.materials)
       if (material.in_family == 0)
-        layers.push_back({"opaque_" + material.name, "1",
+        layers.push_back({"opaque_abundance_" + material.name, "1",
                           "share of the pixel whose rays meet " + material.name +
                               " first of what lets no light through, past all leaves"});
   if (instrument.standard_error != scene::StandardError::off) {

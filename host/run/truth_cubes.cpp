@@ -5,28 +5,11 @@
 
 #include "host/base/units.h"
 #include "host/plan/band_truth.h"
+#include "host/plan/quadrature.h"
 #include "host/render/truth.h"
 #include "kernels/atmosphere/nodes.h"
 
 namespace raycube::run {
-
-namespace {
-
-/// Mean transmission target to sensor of every band at every (height, view) node.
-std::vector<std::vector<double>> band_transmission(const plan::Plan& plan) {
-  std::vector<std::vector<double>> out;
-  for (const auto& spectrum : plan.transmission_spectrum) {
-    out.emplace_back();
-    for (const auto& band : plan.bands) {
-      double sum = 0;
-      for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * spectrum[band.first + i];
-      out.back().push_back(sum);
-    }
-  }
-  return out;
-}
-
-}  // namespace
 
 TruthCubes::TruthCubes(base::OutputSet& set, const scene::Simulation& simulation, const CameraJob& job,
                        const MakeHeader& header)
@@ -36,7 +19,8 @@ TruthCubes::TruthCubes(base::OutputSet& set, const scene::Simulation& simulation
   std::vector<scene::BandTruth> asked = plan::truth_columns(job.plan, *job.instrument);
   if (instrument_.asks_for(scene::BandTruth::transmission)) {
     asked.push_back(scene::BandTruth::transmission);
-    node_transmission_ = band_transmission(plan_);
+    for (const auto& spectrum : plan_.transmission_spectrum)
+      node_transmission_.push_back(plan::in_bands(plan_.bands, spectrum));
   }
   for (const scene::BandTruth truth : asked) {
     const scene::BandTruthEntry& entry = scene::band_truth_entry(truth);

@@ -81,10 +81,10 @@ def check_form(work, name, **values):
     """With leaves and without: the opaque shares of the one are the abundances of the other."""
     full, bare = layers(work, name, **values), layers(work, name + "_bare", **{**values, "leaves": "", "trees": ""})
     for material in ("soil", "roof"):
-        opaque, seen = full[f"opaque_{material}"], bare[f"abundance_{material}"]
+        opaque, seen = full[f"opaque_abundance_{material}"], bare[f"abundance_{material}"]
         check(numpy.allclose(opaque, seen, atol=3e-7), name, material, numpy.abs(opaque - seen).max())
-        check(numpy.array_equal(bare[f"opaque_{material}"], seen), name, "without leaves", material)
-    check(not full["opaque_leaf"].any() and not full["opaque_film"].any(), name)
+        check(numpy.array_equal(bare[f"opaque_abundance_{material}"], seen), name, "without leaves", material)
+    check(not full["opaque_abundance_leaf"].any() and not full["opaque_abundance_film"].any(), name)
     return full, bare
 
 
@@ -108,10 +108,10 @@ def main(work):
     check_form(work, "grid", instrument="samples = { grid = [5, 4] }\npsf = { sigma_px = 0.5, support_px = 4.0 }")
     check_form(work, "chunks", instrument="samples = { jittered = [40, 40] }")
     errors = layers(work, "errors", instrument='samples = { lattice = 64, first = 8 }\nstandard_error = "worst"')
-    shares = sum(errors[f"opaque_{name}"] for name in ("soil", "roof"))
+    shares = sum(errors[f"opaque_abundance_{name}"] for name in ("soil", "roof"))
     check(numpy.allclose(shares, errors["hit_fraction"], atol=1e-6) and numpy.isfinite(errors["standard_error"]).all())
     chosen = layers(work, "chosen", instrument='small_objects = "on"', head="tolerance = 0.02")
-    shares = sum(chosen[f"opaque_{name}"] for name in ("soil", "roof"))
+    shares = sum(chosen[f"opaque_abundance_{name}"] for name in ("soil", "roof"))
     check(numpy.allclose(shares, 1, atol=1e-6), numpy.abs(shares - 1).max())
     check(((chosen["transparent_material_id"] > 0) == (chosen["abundance_leaf"] + chosen["abundance_film"] > 0)).all())
     once, again = layers(work, "lattice", "--overwrite"), layers(work, "little", "--memory", "30M", "--threads", 1)
