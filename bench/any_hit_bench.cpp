@@ -6,79 +6,19 @@
 
 #include "bench/any_hit_rig.h"
 #include "bench/cases.h"
+#include "bench/opponents.h"
 #include "bench/park_job.h"
 #include "bench/rays.h"
 #include "bench/trace_comparison.h"
 #include "host/base/error.h"
-#include "host/sensors/ray_groups.h"
 #include "scene_compiler/load_simulation.h"
 
 namespace raycube::bench {
 namespace {
 
-constexpr double kMostRays = 1.2e6;              // of a timed run: 0.1 to 0.3 s
-constexpr std::size_t kMostMerged = 40'000'000;  // placed triangles: Embree needs about 200 bytes of each
 // Over instances Embree rounds origins by its own fp32 inverse of each matrix, and merged corners are rounded once
 // more: rays that graze part, and only of ours is it asked that none contradicts double arithmetic.
 constexpr double kShadowsOff = 2.3e-4;
-
-struct Opponent {
-  std::string name;
-  const EmbreeBaseline* embree;
-  EmbreeMode mode;
-  Pairs times;
-};
-
-/// Embree's forms of a scene; the merged one where memory allows.
-std::vector<std::pair<EmbreeForm, std::unique_ptr<EmbreeBaseline>>> embree_forms(const scene::CompiledScene& scene,
-                                                                                 const std::string& label) {
-  std::vector<std::pair<EmbreeForm, std::unique_ptr<EmbreeBaseline>>> forms;
-  const std::size_t placed = placed_triangles(scene);
-  for (const EmbreeForm form : kEmbreeForms) {
-    if (form == EmbreeForm::merged && placed > kMostMerged) {
-      std::printf("  %s: %.3g placed triangles: too many to merge for Embree\n", label.c_str(),
-                  static_cast<double>(placed));
-      continue;
-    }
-    forms.emplace_back(form, std::make_unique<EmbreeBaseline>(scene, form));
-  }
-  return forms;
-}
-
-/// Whole lines of the image, evenly chosen, of at most `most` rays.
-std::vector<shared::RayGroup> some_lines(const scene::Instrument& instrument, const scene::CompiledScene& scene,
-                                         double most) {
-  const auto all = sensors::make_ray_groups(instrument, scene, 0, instrument.lines);
-  const auto per_line = static_cast<std::size_t>(sensors::groups_per_line(instrument));
-  const double line = static_cast<double>(per_line) * RC_GROUP_WIDTH * instrument.samples_u * instrument.samples_v;
-  const double lines = std::clamp(most / line, 1.0, static_cast<double>(instrument.lines));
-  const auto step = static_cast<std::size_t>(static_cast<double>(instrument.lines) / lines + 0.999);
-  std::vector<shared::RayGroup> chosen;
-  for (std::size_t first = step / 2 * per_line; first + per_line <= all.size(); first += step * per_line)
-    chosen.insert(chosen.end(), all.begin() + static_cast<std::ptrdiff_t>(first),
-                  all.begin() + static_cast<std::ptrdiff_t>(first + per_line));
-  return chosen;
-}
-
-/// The opponent that is fastest against us, by the median over all rounds.
-const Opponent& best_of(const std::vector<Opponent>& opponents) {
-  return *std::min_element(opponents.begin(), opponents.end(), [](const Opponent& a, const Opponent& b) {
-    return a.times.ratio().median < b.times.ratio().median;
-  });
-}
-
-template <typename Theirs, typename Ours>
-void time_in_turn(std::vector<Opponent>& opponents, const Theirs& theirs, const Ours& ours) {
-  for (int pair = 0; pair < kPairs; ++pair) {
-    for (Opponent& opponent : opponents) opponent.times.reference_s.push_back(theirs(opponent));
-    const double ours_s = ours();
-    for (Opponent& opponent : opponents) opponent.times.ours_s.push_back(ours_s);
-  }
-  for (const Opponent& opponent : opponents)
-    std::printf("  %s: %.4f s, ours %.4f s: %.3g x\n", opponent.name.c_str(),
-                spread_of(opponent.times.reference_s).median, spread_of(opponent.times.ours_s).median,
-                opponent.times.ratio().median);
-}
 
 void compare_any_hits(const scene::Simulation& simulation, const std::string& label, const Goal& goal,
                       const Settings& settings, Report& report) {

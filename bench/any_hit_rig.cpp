@@ -42,6 +42,24 @@ kernel void any_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* rest
 }
 )";
 
+constexpr const char* kClosestHits = R"(
+kernel void closest_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict rays,
+                         global uint2* restrict hits, uint count, uint per_item) {
+  SceneArrays scene;
+  RC_GATHER_NODES(scene);
+  RC_GATHER_BLOCKS(scene);
+  RC_GATHER_INSTANCES(scene);
+  const uint first = (uint)get_global_id(0) * per_item, end = min(first + per_item, count);
+  for (uint i = first; i < end; ++i) {
+    hits[i] = (uint2)(RC_NONE, RC_NONE);
+    if (rays[i] != rays[i]) continue;
+    const Hit hit = rc_trace_ray(scene, (float4)(rays[i], rays[count + i], rays[2 * count + i], 0.0f),
+                                 (float4)(rays[3 * count + i], rays[4 * count + i], rays[5 * count + i], 0.0f));
+    hits[i] = (uint2)(hit.instance, hit.primitive);
+  }
+}
+)";
+
 std::vector<float> side_by_side(const ShadowRays& rays) {
   std::vector<float> all;
   for (const std::vector<float>* part : {&rays.x, &rays.y, &rays.z, &rays.dx, &rays.dy, &rays.dz})
@@ -90,5 +108,40 @@ double AnyHitRig::run() {
 }
 
 std::vector<RayResult> AnyHitRig::results() const { return state_->blocked.read_all(); }
+
+struct ClosestHitRig::State {
+  State(const scene::CompiledScene& scene, const ShadowRays& own, int threads)
+      : context(pick_device(threads)),
+        buffers(context, scene),
+        program(context, "closest_hits", std::string(kernels::kernel_source("trace")) + kClosestHits,
+                "-cl-std=CL1.2 -D RC_BOUNCES=1 -D RC_STACK=" + std::to_string(scene.stack_bound()) + buffers.options),
+        kernel(program, "closest_hits"),
+        rays(context, side_by_side(own), cl::Access::read_only, "rays of the bench"),
+        hits(context, own.x.size(), cl::Access::write_only, "results of the bench"),
+        count(static_cast<cl_uint>(own.x.size())) {
+    kernel.arguments(buffers.nodes, buffers.blocks, buffers.instances, rays, hits, count, kRaysPerItem);
+  }
+
+  cl::Context context;
+  render::SceneBuffers buffers;
+  cl::Program program;
+  cl::Kernel kernel;
+  cl::Buffer<float> rays;
+  cl::Buffer<RayResult> hits;
+  cl_uint count;
+};
+
+ClosestHitRig::ClosestHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, int threads)
+    : state_(std::make_unique<State>(scene, rays, threads)) {}
+ClosestHitRig::~ClosestHitRig() = default;
+
+double ClosestHitRig::run() {
+  return seconds_of([this] {
+    state_->context.launch(state_->kernel, (state_->count + kRaysPerItem - 1) / kRaysPerItem);
+    state_->context.finish();
+  });
+}
+
+std::vector<RayResult> ClosestHitRig::results() const { return state_->hits.read_all(); }
 
 }  // namespace raycube::bench

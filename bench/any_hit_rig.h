@@ -1,4 +1,5 @@
-// The kernels' any-hit ray (kernels/geometry), launched on rays of one's choice.
+// The kernels' single rays (kernels/geometry), launched on rays of one's choice: whether anything is hit, and what is
+// hit first.
 #pragma once
 
 #include <memory>
@@ -19,6 +20,24 @@ class AnyHitRig {
   /// Traces them all; seconds.
   double run();
   /// As EmbreeBaseline::shadow gives them.
+  std::vector<RayResult> results() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The ray of paths from surface to surface.
+class ClosestHitRig {
+ public:
+  ClosestHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, int threads);
+  ~ClosestHitRig();
+  ClosestHitRig(const ClosestHitRig&) = delete;
+  ClosestHitRig& operator=(const ClosestHitRig&) = delete;
+
+  /// Traces them all; seconds.
+  double run();
+  /// As EmbreeBaseline::closest gives them, of the scene's numbers.
   std::vector<RayResult> results() const;
 
  private:

@@ -16,6 +16,11 @@ const std::vector<Case>& all_cases() {
        "rays into the sky from what the park's and the peer scene's cameras see, and primary rays among leaves,"
        " against the best of Embree's modes and forms",
        run_any_hit},
+      {"bounce",
+       "closest hits of rays from surface to surface, first and second, in the park and on the terrain, against the "
+       "best"
+       " of Embree's modes and forms",
+       run_bounce},
       {"render", "the park as render renders it: its term lists and their integration, against the write bandwidth",
        run_render},
       {"build", "kernels built cold and from the cache, each in a process of its own", run_kernel_build},

@@ -29,6 +29,7 @@ void run_crowns(const Settings&, Report&);
 void run_layers(const Settings&, Report&);
 void run_park(const Settings&, Report&);
 void run_any_hit(const Settings&, Report&);
+void run_bounce(const Settings&, Report&);
 void run_render(const Settings&, Report&);
 void run_kernel_build(const Settings&, Report&);
 struct KernelBuild {

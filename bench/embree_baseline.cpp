@@ -318,6 +318,50 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
   });
 }
 
+void EmbreeBaseline::closest(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
+  const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
+  const bool flat = impl_->flat;
+  in_parallel(rays.x.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = mode == EmbreeMode::packet16_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                          : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    alignas(64) RTCRayHit16 packet;
+    alignas(64) int valid[16];
+    for (std::size_t first = begin; first < end; first += 16) {
+      const std::size_t live = std::min<std::size_t>(16, end - first);
+      for (int k = 0; k < 16; ++k) {
+        const std::size_t i = first + std::min<std::size_t>(k, live - 1);
+        const bool skipped = k >= static_cast<int>(live) || std::isnan(rays.x[i]);
+        packet.ray.org_x[k] = skipped ? 0.0f : rays.x[i];
+        packet.ray.org_y[k] = rays.y[i], packet.ray.org_z[k] = rays.z[i];
+        packet.ray.dir_x[k] = rays.dx[i], packet.ray.dir_y[k] = rays.dy[i], packet.ray.dir_z[k] = rays.dz[i];
+        packet.ray.tnear[k] = 0.0f;
+        packet.ray.tfar[k] = skipped ? kNoRay : kInfinity;
+        packet.ray.time[k] = 0.0f;
+        packet.ray.mask[k] = 0xFFFFFFFFu;
+        packet.ray.flags[k] = 0;
+        packet.hit.geomID[k] = packet.hit.primID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+        valid[k] = skipped ? 0 : -1;
+      }
+      if (mode != EmbreeMode::single) rtcIntersect16(valid, scene, &context, &packet);
+      for (std::size_t k = 0; k < live; ++k) {
+        if (mode == EmbreeMode::single && valid[k]) {
+          RTCRayHit one;
+          one.ray = rtcGetRayFromRayN(reinterpret_cast<RTCRayN*>(&packet.ray), 16, static_cast<unsigned>(k));
+          one.hit.geomID = one.hit.primID = one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+          rtcIntersect1(scene, &context, &one);
+          const bool hit = one.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+          result[first + k] = {hit && flat ? 0u : one.hit.instID[0], one.hit.primID};
+          continue;
+        }
+        const bool hit = packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+        result[first + k] = {hit && flat ? 0u : packet.hit.instID[0][k], packet.hit.primID[k]};
+      }
+    }
+  });
+}
+
 void EmbreeBaseline::to_scene(RayResult* results, std::size_t count) const {
   for (std::size_t i = 0; i < count; ++i)
     if (results[i].instance == RC_NONE)

@@ -60,6 +60,9 @@ class EmbreeBaseline {
   /// result[i].instance: 0 = lit, RC_NONE = in shadow; rays skipped get 0.
   void shadow(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const;
 
+  /// The closest hit of rays with a direction each, as primary() tells it; rays skipped are misses.
+  void closest(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const;
+
   /// Embree's primitive numbers (which leave out the blocks' unused lanes) to the scene's.
   void to_scene(RayResult* results, std::size_t count) const;
   /// Bytes Embree holds for its trees and triangles.

@@ -10,6 +10,7 @@
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/ground.h"
 #include "scene_compiler/instrument_builder.h"
+#include "scene_compiler/lamp_builder.h"
 #include "scene_compiler/lidar_builder.h"
 #include "scene_compiler/measure_builder.h"
 #include "scene_compiler/placed_box.h"
@@ -262,6 +263,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   SceneParts parts = read_scene_parts(root, materials, problems);
   out.atmosphere = read_atmosphere(root, parts.origin, options.air_model, problems);
   if (!root.records("instrument").empty() || root.given("time")) out.sun = read_sun(root, parts.origin, problems);
+  out.lamps = read_lamps(root, parts, problems);
   out.instruments = read_instruments(root, parts, parts.notices, problems);
   out.measures = read_measures(root, problems);
   out.budgets = read_budgets(root, problems);

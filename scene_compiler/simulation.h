@@ -12,6 +12,7 @@
 
 #include "scene_compiler/band_truth.h"
 #include "scene_compiler/compiled_scene.h"
+#include "scene_compiler/lamp.h"
 #include "scene_compiler/lidar_spec.h"
 
 namespace raycube::scene {
@@ -193,6 +194,7 @@ struct Simulation {
   Sun sun;
   std::vector<Instrument> instruments;
   std::vector<Lidar> lidars;
+  std::vector<Lamp> lamps;
   std::vector<Measure> measures;
   std::vector<LightBudget> budgets;
   std::optional<std::array<double, 2>> cell_m;  ///< of a scene that repeats: width and length

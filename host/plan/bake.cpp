@@ -44,6 +44,14 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
   return out;
 }
 
+/// Of a source of lamps, [h * view.count + v].
+std::vector<std::vector<double>> lamp_spectra_of(const Plan& plan, std::size_t source) {
+  const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
+  const auto first = plan.source_spectrum.begin() +
+                     static_cast<std::ptrdiff_t>((static_cast<std::size_t>(plan.first_lamp()) + source) * nodes);
+  return {first, first + static_cast<std::ptrdiff_t>(nodes)};
+}
+
 /// Product of a key's curves on the plan's grid; 1 without any. By the transmittance of an opaque material, or the
 /// gloss of a dull one, nothing goes.
 std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
@@ -104,12 +112,15 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   const std::uint32_t curves = around || skeleton ? 0 : rc_key_count(key);
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
                                   : std::vector<std::vector<double>>{};
+  const std::size_t row = skeleton ? key ^ kSkeletonKey : 0,
+                    lines = std::max<std::size_t>(1, plan.bounces.skeleton.size());
+  const auto lamplight = skeleton && row >= lines ? lamp_spectra_of(plan, row / lines - 1) : environment;
   const auto& spectra = around       ? environment
-                        : skeleton   ? plan.bounces.together
+                        : skeleton   ? (row < lines ? plan.bounces.together : lamplight)
                         : curves > 0 ? plan.source_spectrum
                                      : plan.path_spectrum;
   const std::vector<double> scattered =
-      skeleton ? plan.bounces.basis[key ^ kSkeletonKey] : product_of_curves(plan, scene, curves > 0 ? key : 0);
+      skeleton ? plan.bounces.basis[row % lines] : product_of_curves(plan, scene, curves > 0 ? key : 0);
   // What matter emits goes by 1 - reflectance - transmittance: each of its two keys says its part.
   const double black =
       curves > 0 && rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == RC_CURVE_REFLECTANCE ? 1 : 0;

@@ -27,6 +27,7 @@ scene::BandTruth light_kind(const Plan& plan, std::uint64_t key, int channel) {
   const int source = channel / (plan.height.count * plan.view.count), component = source - plan.first_component();
   if (component < 0) return sun;
   if (source >= plan.first_emission()) return emission;
+  if (source >= plan.first_lamp()) return lamps;
   if (component < plan.sky_components) return sky;
   return component + 1 < plan.components() ? thermal_sky : surroundings;
 }
@@ -47,6 +48,8 @@ bool has_part(const Plan& plan, scene::BandTruth part) {
     case surroundings:
     case emission:
       return plan.thermal.on;
+    case lamps:
+      return plan.lamps.sources() > 0;
     case between_surfaces:
       return plan.bounces.any();
     default:
@@ -110,10 +113,12 @@ void fill_incident(Plan& plan, const TableSpectra& air, const BandSpace& bands, 
     if (plan.sun_sources > 0) add(bands.to_grid(air.sun(z)));
     const SkySpectra solar = sky_spectra(skies.solar, air, z, nullptr, threads);
     for (int m = 0; m < plan.sky_components; ++m) add(bands.to_grid(solar[static_cast<std::size_t>(m)]));
-    if (!plan.thermal.on) continue;
-    const SkySpectra warm = sky_spectra(skies.thermal, air, z, nullptr, threads);
-    for (int m = 0; m < plan.thermal.sky_components; ++m) add(bands.to_grid(warm[static_cast<std::size_t>(m)]));
-    add(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
+    if (plan.thermal.on) {
+      const SkySpectra warm = sky_spectra(skies.thermal, air, z, nullptr, threads);
+      for (int m = 0; m < plan.thermal.sky_components; ++m) add(bands.to_grid(warm[static_cast<std::size_t>(m)]));
+      add(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
+    }
+    for (const auto& spectrum : plan.lamps.spectrum) add(spectrum);
   }
 }
 

@@ -69,11 +69,15 @@ Curves light_together(const Plan& plan) {
 
 std::size_t middle_node(const Plan& plan) { return static_cast<std::size_t>(plan.height.count / 2 * plan.view.count); }
 
-/// Each source's light over that of all together, on the grid; 0 where there is none.
+double largest_of(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+/// Of sun and sky: each source's light over that of all together, on the grid; 0 where there is none.
 Curves shares_of(const Plan& plan, const std::vector<double>& together) {
   const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
   const std::size_t middle = middle_node(plan);
-  const double least = 1e-9 * *std::max_element(together.begin(), together.end());
+  const double least = 1e-9 * largest_of(together);
   Curves out;
   for (int source = 0; source < plan.sun_sources + plan.sky_components; ++source) {
     const std::vector<double>& light = plan.source_spectrum[static_cast<std::size_t>(source) * nodes + middle];
@@ -88,27 +92,45 @@ Curves shares_of(const Plan& plan, const std::vector<double>& together) {
 struct Parts {
   Curves all;
   std::size_t curves = 0;
-  std::vector<BandQuadrature> bands;  ///< of the plan, weighted by the light that falls there; each sums to 1, or to 0
-  std::vector<double> seen;           ///< light at a place of the grid over that of the bands there; 0: none sees it
+  /// Of the plan, weighted by the light that falls there, that of sun and sky, then that of each source of lamps; each
+  /// sums to 1, or to 0.
+  std::vector<BandQuadrature> bands;
+  /// Light at a place of the grid over that of the bands there, where that is most of all lights; 0: none sees it.
+  std::vector<double> seen;
   std::size_t shares() const { return all.size() - curves; }
 };
 
 /// How much of the bands' light is at each place of the grid: between the lines of a band is what it sees.
-void find_seen(Parts& parts, const Plan& plan, const std::vector<double>& together) {
-  std::vector<double> weight(together.size(), 0.0), light(together.size(), 0.0);
-  parts.bands = plan.bands;
-  for (auto& band : parts.bands) {
+void add_seen(Parts& parts, const Plan& plan, const std::vector<double>& spectrum) {
+  if (!(largest_of(spectrum) > 0)) return;
+  std::vector<double> weight(spectrum.size(), 0.0), light(spectrum.size(), 0.0);
+  for (BandQuadrature band : plan.bands) {
     double sum = 0, lit = 0;
     for (std::size_t i = 0; i < band.weight.size(); ++i)
-      sum += band.weight[i], lit += band.weight[i] * together[band.first + i];
+      sum += band.weight[i], lit += band.weight[i] * spectrum[band.first + i];
     for (std::size_t i = 0; i < band.weight.size(); ++i) {
       const double here = std::abs(band.weight[i]);  // some are negative
       weight[band.first + i] += here, light[band.first + i] += here * lit / sum;
-      band.weight[i] *= lit > 0 ? together[band.first + i] / lit : 0;
+      band.weight[i] *= lit > 0 ? spectrum[band.first + i] / lit : 0;
     }
+    parts.bands.push_back(std::move(band));
   }
-  for (std::size_t i = 0; i < together.size(); ++i)
-    parts.seen.push_back(light[i] > 0 ? std::min(kMostSeen, together[i] * weight[i] / light[i]) : 0);
+  parts.seen.resize(spectrum.size(), 0.0);
+  for (std::size_t i = 0; i < spectrum.size(); ++i)
+    if (light[i] > 0) parts.seen[i] = std::max(parts.seen[i], std::min(kMostSeen, spectrum[i] * weight[i] / light[i]));
+}
+
+/// Curves of matter with what they are lit by.
+Parts parts_of(const Plan& plan, Curves curves, const std::vector<double>& together, const Curves& shares) {
+  Parts parts{.all = std::move(curves), .curves = 0, .bands = {}, .seen = {}};
+  parts.curves = parts.all.size();
+  add_seen(parts, plan, together);
+  for (const auto& share : shares)
+    if (largest_of(share) > 0 || plan.lamps.sources() == 0) parts.all.push_back(share);
+  if (plan.lamps.sources() > 0) parts.all.emplace_back(together.size(), 1.0);  // a lamp's share of its own light
+  for (const auto& spectrum : plan.lamps.spectrum) add_seen(parts, plan, spectrum);
+  if (parts.seen.empty()) parts.seen.assign(together.size(), 0.0), parts.bands = plan.bands;
+  return parts;
 }
 
 using Factors = std::vector<std::size_t>;  ///< of a product, as numbers of parts; the last is a share
@@ -321,16 +343,16 @@ void fit_skeleton(Bounces& out, const Plan& plan, const Parts& parts, double sha
 }
 
 /// Shares of the sources at the skeleton's wavelengths, [source][padded].
-void sample_shares(Bounces& out, const Parts& parts) {
+void sample_shares(Bounces& out, const Curves& shares) {
   const std::size_t padded = RC_PADDED(out.skeleton.size());
-  out.source_share.assign(parts.shares() * padded, 0.0f);
-  for (std::size_t s = 0; s < parts.shares(); ++s)
+  out.source_share.assign(shares.size() * padded, 0.0f);
+  for (std::size_t s = 0; s < shares.size(); ++s)
     for (std::size_t m = 0; m < out.skeleton.size(); ++m)
-      out.source_share[s * padded + m] = static_cast<float>(parts.all[parts.curves + s][out.skeleton[m]]);
+      out.source_share[s * padded + m] = static_cast<float>(shares[s][out.skeleton[m]]);
 }
 
 /// The ground around, under sun and sky as if it were open.
-void find_ground(Bounces& out, const Plan& plan, const Parts& parts) {
+void find_ground(Bounces& out, const Plan& plan, const Curves& shares) {
   out.ground.assign(RC_PADDED(out.skeleton.size()), 0.0f);
   if (plan.environment.empty()) return;
   const std::array<double, 4> sky =
@@ -342,9 +364,9 @@ void find_ground(Bounces& out, const Plan& plan, const Parts& parts) {
     for (std::size_t material = 0; material < plan.environment.mean.size(); ++material)
       if (plan.environment.mean[material] > 0)
         reflectance += plan.environment.mean[material] * plan.environment.reflectance[material][i];
-    for (std::size_t s = 0; s < parts.shares(); ++s) {
+    for (std::size_t s = 0; s < shares.size(); ++s) {
       const double sun = plan.sun_up ? std::max(0.0, static_cast<double>(plan.sun_direction[2])) : 0;
-      light += (s < sun_sources ? sun : sky[s - sun_sources]) * parts.all[parts.curves + s][i];
+      light += (s < sun_sources ? sun : sky[s - sun_sources]) * shares[s][i];
     }
     out.ground[m] = static_cast<float>(reflectance * light);
   }
@@ -424,15 +446,13 @@ double Bounces::brightest() const {
 
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share) {
   plan.bounces = {};
-  if (levels <= 0 || plan.sun_sources + plan.sky_components == 0) return;
-  Parts parts;
-  parts.all = factors_of(plan, scene);
-  parts.curves = parts.all.size();
-  if (parts.curves == 0) return;
+  if (levels <= 0 || plan.sun_sources + plan.sky_components + plan.lamps.sources() == 0) return;
+  Curves curves = factors_of(plan, scene);
+  if (curves.empty()) return;
   plan.bounces.together = light_together(plan);
   const std::vector<double>& together = plan.bounces.together[middle_node(plan)];
-  for (auto& light : shares_of(plan, together)) parts.all.push_back(std::move(light));
-  find_seen(parts, plan, together);
+  const Curves shares = shares_of(plan, together);
+  const Parts parts = parts_of(plan, std::move(curves), together, shares);
   plan.bounces.levels = levels, plan.bounces.share = share;
   fit_skeleton(plan.bounces, plan, parts, share);
   if (plan.bounces.skeleton.empty()) {  // nothing reflects
@@ -445,8 +465,8 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
         "{:.2g} %), and its noise grows by at most {:.2g}; fewer materials, or fewer bounces, would do better",
         kBetweenSurfaces, plan.bounces.skeleton.size(), 100 * plan.bounces.error, 100 * share, plan.bounces.amplified));
   if (plan.sky.rays == 0) plan.sky.rays = paths;
-  sample_shares(plan.bounces, parts);
-  find_ground(plan.bounces, plan, parts);
+  sample_shares(plan.bounces, shares);
+  find_ground(plan.bounces, plan, shares);
   std::vector<double> at_um;
   for (const std::size_t i : plan.bounces.skeleton) at_um.push_back(plan.wavelength_um[i]);
   plan.bounces.curve = sampled_curves(scene, at_um);

@@ -15,6 +15,7 @@
 #include "host/plan/bounces.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/irradiance_map.h"
+#include "host/plan/lamps.h"
 #include "host/plan/plan.h"
 #include "host/plan/plan_errors.h"
 #include "host/plan/sky_factors.h"
@@ -265,6 +266,7 @@ void weigh_thermal(Plan& plan, const Setting& at, const Light& light, Levels& ou
 Levels weigh_levels(Plan& plan, const Setting& at, const Light& light) {
   Levels out;
   out.errors = estimate_node_errors(at.air, at.domain, at.bands, light.sky.irradiance(), light.typical, light.emitted);
+  out.errors.lamps = plan.lamps.sources();
   if (light.thermal.on) weigh_thermal(plan, at, light, out);
   if (out.skylight)
     out.sky = sky_levels(light.sky, Sky::solar, at.air, at.domain, at.bands, light.typical, at.share,
@@ -362,8 +364,11 @@ void fill_spectra(Plan& plan, const Setting& at, const ChosenSkies& skies) {
       for (int m = 0; m < plan.sky_components; ++m)
         source(plan.first_component() + m) = bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
       plan.transmission_spectrum.push_back(bands.to_grid(air.view_transmission(z, zenith_of_sec(sec))));
-      if (!plan.thermal.on) continue;
       const std::vector<double>& through = plan.transmission_spectrum.back();
+      for (int m = 0; m < plan.lamps.sources(); ++m)
+        source(plan.first_lamp() + m) =
+            product(plan.lamps.spectrum[static_cast<std::size_t>(m)], through, 1 / std::numbers::pi);
+      if (!plan.thermal.on) continue;
       const Spectrum thermal_up = sky_path(air, z, sec, Sky::thermal);
       const int warm_sky = plan.first_component() + plan.sky_components,
                 surroundings = warm_sky + plan.thermal.sky_components;
@@ -426,17 +431,21 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                const atmos::RenderTable& table, const ViewBounds& view, int threads) {
   const base::Doing doing("planning instrument", instrument.name);
   check_directions(simulation);
-  const Domain domain = make_domain(simulation, table, view);
+  Domain domain = make_domain(simulation, table, view);
   const auto& table_um = table.axis("wavelength").nodes;
   scene::Instrument convolved = instrument;
   convolved.bands = channel_bands(instrument, table).bands;
-  SpectralPlan spectral = make_spectral_plan(simulation.scene, convolved, table_um, table_name(simulation));
+  SpectralPlan spectral = make_spectral_plan(simulation.scene, convolved, table_um, table_name(simulation),
+                                             lamp_nodes_um(simulation.lamps));
   Plan plan = begin_plan(simulation, domain);
+  std::vector<std::string> unseen;
+  plan.lamps = make_lamps(simulation.lamps, spectral, instrument.name, unseen);
 
   const std::size_t first = find_cell(table_um, spectral.wavelength_um.front()).index;
   const std::size_t last = std::min(find_cell(table_um, spectral.wavelength_um.back()).index + 1, table_um.size() - 1);
   const std::vector<double> covered(table_um.begin() + static_cast<std::ptrdiff_t>(first),
                                     table_um.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  if (plan.lamps.sources() > 0) domain.lamplight = typical_lamplight(simulation.lamps, simulation.scene, covered);
   const scene::Adjacency adjacency = choose_adjacency(simulation, table);
   Spectrum ground;
   if (adjacency != scene::Adjacency::off)
@@ -451,6 +460,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   ThermalUse thermal = thermal_use(simulation, instrument, table, air, domain, bands, spectral, setting.share);
   if (!thermal.on) air.leave_out_emission();
   plan.notices = std::move(thermal.notices);
+  plan.notices.insert(plan.notices.end(), unseen.begin(), unseen.end());
   const Light light(setting, std::move(thermal));
   const Levels levels = weigh_levels(plan, setting, light);
   const Chosen chosen = choose_within_budget(levels.errors, simulation);

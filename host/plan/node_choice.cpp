@@ -71,7 +71,8 @@ NodeChoice choose_nodes(const NodeErrors& errors, double budget, const scene::Pl
               if (!allowed(given.height_nodes, h) || !allowed(given.view_nodes, v) || !allowed(given.path_nodes, x) ||
                   !allowed(given.path_nodes, y))
                 continue;
-              const int sources = errors.sun_sources + static_cast<int>(rank) + level.rank + errors.surroundings;
+              const int sources =
+                  errors.sun_sources + static_cast<int>(rank) + level.rank + errors.surroundings + errors.lamps;
               const int source = sources * kNodeCounts[h] * kNodeCounts[v],
                         emission = level.nodes * kNodeCounts[h] * kNodeCounts[v];
               const int path = kNodeCounts[h] * kNodeCounts[x] * kNodeCounts[y];

@@ -31,6 +31,7 @@ struct NodeErrors {
   std::array<double, kNodeCounts.size()> source_height{}, source_view{}, path_height{}, path_x{}, path_y{};
   std::vector<double> sky_rank;  ///< [rank - 1], allowed ranks only finite; empty: no sky
   // Beside sunlight: sources that are there anyway, and levels of the thermal ones
+  int lamps = 0;                                    ///< sources
   int sun_sources = 1;                              ///< 0: left out
   int surroundings = 0;                             ///< 1 with thermal light
   double left_out = 0;                              ///< error of leaving out sun and sky where they are dark

@@ -148,6 +148,15 @@ struct SkyFlux {
   }
 };
 
+/// Lamps, and the sources that they are: one for each spectrum.
+struct Lamps {
+  std::vector<shared::Lamp> lamp;    ///< by source
+  std::vector<std::uint32_t> first;  ///< of each source, and the end
+  std::vector<float> distribution;   ///< of those that have one: vertical angles, horizontal angles, values, deg
+  std::vector<std::vector<double>> spectrum;  ///< [source][grid]: spectral flux over flux, 1/um
+  int sources() const { return static_cast<int>(spectrum.size()); }
+};
+
 /// Light that goes on from surface to surface (docs/light.md). Paths carry what a viewer would see at some wavelengths
 /// of the grid, the skeleton; what lies between them is `basis` times that, whatever the geometry.
 struct Bounces {
@@ -180,14 +189,16 @@ struct Bounces {
 /// noise than a ray in most scenes and costs more (docs/light.md has the figures).
 constexpr int paths_beside(int sky_rays) { return (sky_rays + 1) / 2; }
 
-/// Keys of the skeleton's rows: this and its wavelength's number. Of no product, and of no environment.
+/// Keys of the skeleton's rows: this and the number of a row, source of lamps * wavelengths + wavelength, sun and sky
+/// before the lamps. Of no product, and of no environment.
 inline constexpr std::uint64_t kSkeletonKey = std::uint64_t{3} << 62;
 
 /// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v. Sources, in order:
 /// the direct sun (scalar: max(0, n.s) times visibility) unless it is left out as too dark; the sky components (scalar:
-/// irradiance of the component as the pixel's rays found it); thermal components likewise; temperature
-/// nodes (scalar: node weight of the material's temperature). Sources up to there carry the reflectance, emission
-/// carries 1 - reflectance. Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
+/// irradiance of the component as the pixel's rays found it); thermal components likewise; lamps by spectrum (scalar:
+/// irradiance, W m-2, all wavelengths); temperature nodes (scalar: node weight of the material's temperature). Sources
+/// up to there carry the reflectance, emission carries 1 - reflectance. Row 0 (no curve): channel =
+/// (h * path_y.count + y) * path_x.count + x, path radiance.
 /// Environment rows: channel = h * view.count + v, light of the ground around that the air scatters into the path; a
 /// pixel adds it for every sample, hit or not, as it does path radiance.
 /// At most RC_MAX_CHANNELS of reflected sources, of emission, of the path and of the environment.
@@ -202,6 +213,7 @@ struct Plan {
   scene::CameraMatter matter;
   std::vector<std::uint32_t> seen_curves;  ///< scene::seen_curves, which looks through all of the scene
   Thermal thermal;
+  Lamps lamps;
   NodeAxis height;          ///< target height, m above scene z = 0
   NodeAxis view;            ///< sec(view zenith)
   NodeAxis path_x, path_y;  ///< horizontal components of the unit vector target -> sensor
@@ -231,13 +243,17 @@ struct Plan {
   PlanReport report;  ///< what was weighed, each block's estimated error
 
   int components() const { return sky_components + thermal.components(); }  ///< that rays are traced for
+  int met_sources() const { return components() + lamps.sources(); }        ///< planes of met sky (tile_layout.h)
   int first_component() const { return sun_sources; }                       ///< its source number
-  int first_emission() const { return sun_sources + components(); }         ///< source number of temperature node 0
+  int first_lamp() const { return sun_sources + components(); }             ///< source number of the lamps' first
+  int first_emission() const { return first_lamp() + lamps.sources(); }     ///< source number of temperature node 0
   int sources() const { return first_emission() + thermal.nodes(); }
   int source_channels() const { return sources() * height.count * view.count; }
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
   /// Whether pixels send rays that are drawn: into the sky, or along paths.
   bool sends_rays() const { return components() > 0 || bounces.any(); }
+  /// Of the band table: the skeleton's wavelengths for sun and sky, and for each source of lamps.
+  std::size_t skeleton_rows() const { return bounces.skeleton.size() * static_cast<std::size_t>(1 + lamps.sources()); }
   int paths() const { return bounces.any() ? paths_beside(sky.rays) : 0; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
   /// Values of a pixel: its bands, then those of each cube of truth.

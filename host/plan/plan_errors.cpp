@@ -79,6 +79,7 @@ std::vector<double> typical_radiance(const TableSpectra& air, const Domain& doma
                       bands.reflected_band_mean(product(sky_irradiance, sky_path(air, z, sec))), mu0);
   if (air.couples_ground()) typical = sum(typical, bands.reflected_band_mean(environment_source(air, z, sec)));
   typical = sum(typical, bands.band_mean(path_source(air, domain, z, domain.x(0.5), domain.y(0.5))));
+  if (!domain.lamplight.empty()) typical = sum(typical, bands.reflected_band_mean(lamp_source(air, domain, z, sec)));
   if (!thermal.planck.empty()) {
     typical = sum(typical, emitted_bands(air, bands, thermal.planck, z, sec));
     typical =
@@ -171,6 +172,10 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
   const auto environment_bands = [&](double z, double sec) {
     return scaled(bands.reflected_band_mean(environment_source(air, z, sec)), 1);
   };
+  const bool lamps = !domain.lamplight.empty();
+  const auto lamp_bands = [&](double z, double sec) {
+    return scaled(bands.reflected_band_mean(lamp_source(air, domain, z, sec)), 1);
+  };
   const bool emits = !thermal.planck.empty();
   const auto emission_bands = [&](double z, double sec) {
     return divide(emitted_bands(air, bands, thermal.planck, z, sec), typical);
@@ -199,6 +204,7 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
           always));
       if (air.couples_ground())
         source.push_back(make_line([&](double t) { return environment_bands(domain.z(t), domain.sec(v)); }, always));
+      if (lamps) source.push_back(make_line([&](double t) { return lamp_bands(domain.z(t), domain.sec(v)); }, always));
       if (!emits) continue;
       source.push_back(make_line([&](double t) { return emission_bands(domain.z(t), domain.sec(v)); }, always));
       source.push_back(make_line(
@@ -222,6 +228,7 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
           make_line([&](double t) { return sky_bands(sky_irradiance, domain.z(h), domain.sec(t)); }, always));
       if (air.couples_ground())
         source.push_back(make_line([&](double t) { return environment_bands(domain.z(h), domain.sec(t)); }, always));
+      if (lamps) source.push_back(make_line([&](double t) { return lamp_bands(domain.z(h), domain.sec(t)); }, always));
       if (!emits) continue;
       source.push_back(make_line([&](double t) { return emission_bands(domain.z(h), domain.sec(t)); }, always));
       source.push_back(make_line(

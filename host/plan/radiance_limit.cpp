@@ -83,6 +83,17 @@ double largest_front(const scene::CompiledScene& scene) {
   return most;
 }
 
+/// Of all lamps, onto a white surface as near to each as lamps come.
+void add_lamps(const Plan& plan, const scene::CompiledScene& scene, std::vector<double>& limit) {
+  constexpr double kNearest_m = 0.01;
+  const double factor = (largest_front(scene) + largest_gloss(scene)) / std::numbers::pi;
+  std::vector<double> most(plan.lamps.spectrum.size(), 0.0);
+  for (const shared::Lamp& lamp : plan.lamps.lamp)
+    most[lamp.source] += static_cast<double>(lamp.position.w) / (kNearest_m * kNearest_m);
+  for (std::size_t m = 0; m < most.size(); ++m)
+    for (std::size_t i = 0; i < limit.size(); ++i) limit[i] += factor * most[m] * plan.lamps.spectrum[m][i];
+}
+
 }  // namespace
 
 std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene& scene,
@@ -96,6 +107,7 @@ std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene&
     for (std::size_t i = 0; i < limit.size(); ++i)
       limit[i] += (front + mirrored) * e0[i] / (std::numbers::pi * (1 - back[i]));
   }
+  add_lamps(plan, scene, limit);
   for (std::size_t i = 0; i < limit.size(); ++i) {
     double brightest = 0;
     for (const auto& spectrum : plan.path_spectrum) brightest = std::max(brightest, spectrum[i]);

@@ -30,6 +30,11 @@ Spectrum sky_path(const TableSpectra& air, double z, double sec, Sky sky) {
   return product(air.view_transmission(z, zenith), air.two_way_factor(z, zenith), 1 / std::numbers::pi);
 }
 
+Spectrum lamp_source(const TableSpectra& air, const Domain& domain, double z, double sec) {
+  if (domain.lamplight.empty()) return Spectrum(air.size(), 0.0);
+  return product(domain.lamplight, air.view_transmission(z, zenith_of_sec(sec)), 1 / std::numbers::pi);
+}
+
 Spectrum environment_source(const TableSpectra& air, double z, double sec) {
   return product(air.ground_radiance(z), air.diffuse_view_transmission(z, zenith_of_sec(sec)));
 }

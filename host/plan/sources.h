@@ -13,6 +13,7 @@ struct Domain {
   double z_lo = 0, z_hi = 0;               ///< target height, m
   double sun_zenith = 0, sun_azimuth = 0;  ///< rad
   ViewBounds view;
+  Spectrum lamplight;  ///< W m-2 um-1, typical_lamplight on the table's wavelengths that bands reach; empty: no lamps
   double z(double t) const { return z_lo + t * (z_hi - z_lo); }
   double sec(double t) const { return view.sec_min + t * (view.sec_max - view.sec_min); }
   double x(double t) const { return view.x_min + t * (view.x_max - view.x_min); }
@@ -28,6 +29,8 @@ Spectrum sun_source(const TableSpectra& air, double z, double sec);
 /// What a reflected sky component meets on its way up: T_view R2 / pi, with the factor of its kind. Zero without such a
 /// sky.
 Spectrum sky_path(const TableSpectra& air, double z, double sec, Sky sky = Sky::solar);
+/// Reflected lamplight of the domain, per unit of reflectance: E T_view / pi. Zero without lamps.
+Spectrum lamp_source(const TableSpectra& air, const Domain& domain, double z, double sec);
 /// Light of ground of unit reflectance all around that the air scatters into the path: T_dif R2 E_g0 / (pi (1 - rho
 /// S)).
 Spectrum environment_source(const TableSpectra& air, double z, double sec);

@@ -1,6 +1,7 @@
 #include "host/plan/spectral_plan.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <set>
 
@@ -146,7 +147,8 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
 }
 
 SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                                const std::vector<double>& table_um, const std::string& table_name) {
+                                const std::vector<double>& table_um, const std::string& table_name,
+                                const std::vector<double>& lamp_um) {
   const auto used = scene::used_materials(scene);
   base::Problems problems;
   check_bands(instrument, problems);
@@ -156,13 +158,16 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   problems.throw_if_any();
 
   std::vector<double> breakpoints = table_um;
+  // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
+  const auto add = [&](const std::vector<double>& nodes) {
+    std::copy_if(nodes.begin(), nodes.end(), std::back_inserter(breakpoints),
+                 [&](double node) { return node > table_um.front() && node < table_um.back(); });
+  };
   for (const auto curve : scene::seen_curves(scene)) {
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
-    if (x.size() < 2 || !scene::carries_light(scene, curve)) continue;
-    // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
-    for (const double node : x)
-      if (node > table_um.front() && node < table_um.back()) breakpoints.push_back(node);
+    if (x.size() >= 2 && scene::carries_light(scene, curve)) add(x);
   }
+  add(lamp_um);
   SpectralPlan out;
   SpectralGrid grid = make_spectral_grid(std::move(breakpoints), instrument.bands);
   for (const auto& band : instrument.bands) out.bands.push_back(band_quadrature(band, grid));

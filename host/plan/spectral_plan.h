@@ -32,8 +32,10 @@ std::string table_name(const scene::Simulation& simulation);
 /// Throws Error(input) when the view reaches further off nadir than the table. last_zenith_rad: of TableSpectra.
 void check_view(const scene::Instrument& instrument, const ViewBounds& view, double last_zenith_rad);
 
-/// Throws one Error(input) that names every band that leaves the table or a used material's curve.
+/// Throws one Error(input) that names every band that leaves the table or a used material's curve. lamp_um: further
+/// nodes of the grid.
 SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                                const std::vector<double>& table_um, const std::string& table_name);
+                                const std::vector<double>& table_um, const std::string& table_name,
+                                const std::vector<double>& lamp_um = {});
 
 }  // namespace raycube::plan

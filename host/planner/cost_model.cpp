@@ -25,6 +25,8 @@ PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directio
   PixelCounts counts;
   counts.samples = samples;
   counts.sun_rays = plan.sun_up && plan.sun_sources > 0 ? samples : 0;
+  counts.lamp_rays = samples * plan.lamps.sources();
+  counts.lamps = samples * static_cast<double>(plan.lamps.lamp.size());
   counts.sky_rays = plan.components() > 0 ? directions : 0;
   // Two materials in the typical pixel; a node axis of more than one node gives two terms.
   const auto held = [](int count) { return count > 1 ? 2.0 : 1.0; };

@@ -241,6 +241,12 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
                      plural(static_cast<std::size_t>(plan.thermal.nodes()), "source"),
                      fmt::format("{} distinct temperatures in the scene", report.thermal->temperatures), false});
   }
+  if (plan.lamps.sources() > 0)
+    lines.push_back({"lamps",
+                     fmt::format("{}, {}", plural(plan.lamps.lamp.size(), "lamp"),
+                                 plural(static_cast<std::size_t>(plan.lamps.sources()), "source")),
+                     0, -1, fmt::format("{:.0f} rays a pixel", d.counts.lamp_rays), "a source for each spectrum",
+                     false});
   const plan::AxisErrors& axes = report.axes;
   const scene::PlanOverrides& given = report.given;
   const std::string sources = fmt::format("{} channels of sources", plan.source_channels()),
@@ -292,6 +298,7 @@ nlohmann::json decision_json(const Decision& d, const std::vector<PlanLine>& lin
                {{"samples", d.counts.samples},
                 {"sun_rays", d.counts.sun_rays},
                 {"sky_rays", d.counts.sky_rays},
+                {"lamp_rays", d.counts.lamp_rays},
                 {"terms", d.counts.terms},
                 {"nominal_s_per_megapixel", d.s_per_megapixel}}},
               {"dear", d.dear},

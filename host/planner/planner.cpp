@@ -381,8 +381,8 @@ void count_cost(Decision& decision, const plan::Plan& plan) {
   const Sampling& s = decision.sampling;
   PixelCounts& counts = decision.counts;
   counts = pixel_counts(plan, static_cast<double>(s.samples_u) * s.samples_v, s.directions);
-  for (double* count :
-       {&counts.samples, &counts.sun_rays, &counts.sky_rays, &counts.paths, &counts.path_surfaces, &counts.terms})
+  for (double* count : {&counts.samples, &counts.sun_rays, &counts.sky_rays, &counts.lamp_rays, &counts.lamps,
+                        &counts.paths, &counts.path_surfaces, &counts.terms})
     *count *= s.replicates;
   decision.s_per_megapixel = 1e6 * CostModel().seconds(counts);
   // A small image, which is soon rendered, is dear by no pixel.

@@ -199,15 +199,23 @@ void ArithmeticModel::add_path(const SampledPixel& pixel, const Sample& sample, 
       }
 }
 
-BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<SentRays>& sent) const {
+BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<SentRays>& sent,
+                                       const std::vector<std::vector<double>>& lamplight) const {
   const std::vector<double> dark(plan_.wavelength_um.size(), 0.0);
-  Spectra spectra{dark, dark, dark, dark, dark};
+  Spectra spectra{dark, dark, dark, dark, dark, dark};
   for (std::size_t i = 0; i < pixel.sides(); ++i)
     if (!pixel.side(i).hit.miss()) add_side(pixel, pixel.side(i), sent[i], spectra);
+  for (std::size_t i = 0; i < lamplight.size(); ++i)
+    for (std::size_t m = 0; m < lamplight[i].size(); ++m)
+      add_source(pixel, pixel.side(i), plan_.first_lamp() + static_cast<int>(m), lamplight[i][m], spectra.lamps);
   for (const Sample& sample : pixel.samples) add_path(pixel, sample, spectra.path);
-  BandRadiance out{band_values(plan_, spectra.sun),      band_values(plan_, spectra.sky),
-                   band_values(plan_, spectra.path),     {},
-                   band_values(plan_, spectra.emission), band_values(plan_, spectra.surroundings)};
+  BandRadiance out{.sun = band_values(plan_, spectra.sun),
+                   .sky = band_values(plan_, spectra.sky),
+                   .path = band_values(plan_, spectra.path),
+                   .lamps = lamplight.empty() ? std::vector<double>() : band_values(plan_, spectra.lamps),
+                   .environment = {},
+                   .emission = band_values(plan_, spectra.emission),
+                   .surroundings = band_values(plan_, spectra.surroundings)};
   if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, ground_));
   return out;
 }

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/reference/lamp_light.h"
 #include "host/reference/plan_nodes.h"
 #include "host/reference/spread.h"
 #include "kernels/sampling/sampler.h"
@@ -40,7 +41,7 @@ struct BouncedLight::Walk {
   std::uint64_t seed;
   std::uint32_t pixel, path, drawn = 0;
   Spectrum carried;              ///< what the viewer sees of a unit of radiance that comes back
-  std::vector<Spectrum> gained;  ///< [sun, then the sun's sky's components]
+  std::vector<Spectrum> gained;  ///< [sun, then the sun's sky's components, then lamps' sources]
   Sample from{};                 ///< the side that the path leaves
   glm::dvec3 way{0};             ///< unit
 
@@ -89,6 +90,18 @@ void BouncedLight::add_sun(const SampledPixel& at, Walk& walk) const {
     const Sample* side = side_of(at, through);
     if (side && side->sun_visible)
       walk.add(0, side->cos_sun * spread(scene_.compiled, *side, to_double(plan_.sun_direction)), scattered(*side));
+  }
+}
+
+void BouncedLight::add_lamps(const SampledPixel& at, Walk& walk) const {
+  const auto first = static_cast<std::size_t>(plan_.sun_sources + plan_.sky_components);
+  for (const bool through : {false, true}) {
+    const Sample* side = plan_.lamps.sources() > 0 ? side_of(at, through) : nullptr;
+    if (side == nullptr) continue;
+    const double v = walk.draw(), w = walk.draw();
+    const std::vector<double> light = some_lamplight(scene_, plan_, *side, v, w);
+    for (std::size_t m = 0; m < light.size(); ++m)
+      if (light[m] > 0) walk.add(first + m, light[m], scattered(*side));
   }
 }
 
@@ -152,21 +165,25 @@ SampledPixel BouncedLight::stand(const Walk& walk, const Hit& hit) const {
 std::vector<double> BouncedLight::at_sensor(const SampledPixel& pixel, const Sample& first, const Walk& walk) const {
   const NodeWeight h = locate(plan_.height, first.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
   Spectrum sum(plan_.wavelength_um.size(), 0.0);
-  for (std::size_t source = 0; source < walk.gained.size(); ++source)
+  const int solar = plan_.sun_sources + plan_.sky_components;
+  for (std::size_t source = 0; source < walk.gained.size(); ++source) {
+    const int gained = static_cast<int>(source), number = gained < solar ? gained : plan_.first_lamp() + gained - solar;
     for (int ih = 0; ih < plan_.height.count; ++ih)
       for (int iv = 0; iv < plan_.view.count; ++iv) {
         const double weight = h.of(ih) * v.of(iv);
         if (weight == 0) continue;
-        const int channel = (static_cast<int>(source) * plan_.height.count + ih) * plan_.view.count + iv;
+        const int channel = (number * plan_.height.count + ih) * plan_.view.count + iv;
         const Spectrum& light = plan_.source_spectrum[static_cast<std::size_t>(channel)];
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * walk.gained[source][i] * light[i];
       }
+  }
   return band_values(plan_, sum);
 }
 
 std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64_t seed, std::uint32_t path) const {
   const std::size_t grid = plan_.wavelength_um.size(),
-                    sources = static_cast<std::size_t>(plan_.sun_sources + plan_.sky_components);
+                    sources =
+                        static_cast<std::size_t>(plan_.sun_sources + plan_.sky_components + plan_.lamps.sources());
   Walk walk{seed, pixel.number, path, 0, Spectrum(grid, 1.0), std::vector<Spectrum>(sources, Spectrum(grid, 0.0))};
   double left = walk.draw();
   std::size_t chosen = 0;
@@ -192,6 +209,7 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
     }
     at = stand(walk, hit);
     add_sun(at, walk);
+    add_lamps(at, walk);
   }
   return at_sensor(pixel, first, walk);
 }

@@ -15,7 +15,7 @@ class BouncedLight {
   BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, int levels);
 
   /// By one path of a pixel: W m-2 sr-1 um-1 at the sensor, [band]. Its mean over paths is the pixel's light without
-  /// that which was scattered once; its spread is that of one path. Sun and the sun's sky, as the plan has them.
+  /// that which was scattered once; its spread is that of one path. Sun, its sky and lamps, as the plan has them.
   std::vector<double> by_path(const SampledPixel& pixel, std::uint64_t seed, std::uint32_t path) const;
 
  private:
@@ -25,6 +25,7 @@ class BouncedLight {
   /// Share of the light falling onto a side that goes to the path's viewer: its materials' curves by their fractions.
   Spectrum scattered(const Sample& side) const;
   void add_sun(const SampledPixel& at, Walk& walk) const;
+  void add_lamps(const SampledPixel& at, Walk& walk) const;
   void add_sky(const glm::dvec3& way, Walk& walk) const;
   /// Open level ground around the scene, of its mean reflectance: where a path ends that leaves the scene downwards.
   void add_ground(Walk& walk) const;

@@ -8,8 +8,10 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/parallel.h"
+#include "host/reference/lamp_light.h"
 #include "host/reference/spread.h"
 #include "host/reference/tie_search.h"
+#include "kernels/sampling/lamp_draws.h"
 #include "kernels/shared/tile_layout.h"
 
 namespace raycube::reference {
@@ -17,7 +19,7 @@ namespace raycube::reference {
 struct Comparison::Result {
   std::uint32_t number = 0, line = 0, sample = 0;
   std::uint64_t rays = 0, hit_miss = 0, sun_rays = 0, sun_explained = 0, sun_unexplained = 0, sky_rays = 0,
-                sky_explained = 0, sky_unexplained = 0;
+                sky_explained = 0, sky_unexplained = 0, lamp_rays = 0, lamp_explained = 0, lamp_unexplained = 0;
   std::array<std::uint64_t, kCauses> hits{};
   bool excluded = false, beyond = false;
   std::vector<double> device, reference;  ///< [band]
@@ -120,6 +122,31 @@ void Comparison::compare_sky(const Sample& sample, const float* device, SentRays
   result.excluded = true;
 }
 
+std::vector<double> Comparison::compare_lamps(const Sample& side, std::uint32_t pixel, std::uint32_t sample,
+                                              const float* device, Result& result) const {
+  std::vector<double> out(static_cast<std::size_t>(plan_.lamps.sources()), 0.0);
+  const rc_u32 number =
+      rc_lamp_number(static_cast<int>(instrument_.sampler), static_cast<rc_u32>(instrument_.samples_u),
+                     static_cast<rc_u32>(instrument_.samples_v), sample);
+  for (std::size_t m = 0; m < out.size() && !side.hit.miss(); ++m) {
+    const DrawnLamp drawn = drawn_lamp(scene_, plan_, seed_, pixel, number, static_cast<std::uint32_t>(m), side);
+    const double full = drawn.irradiance * spread(scene_.compiled, side, drawn.direction);
+    out[m] = static_cast<double>(device[static_cast<std::size_t>(plan_.components()) + m]);
+    const auto agrees = [&](double light) { return std::abs(out[m] - light) <= drawn.bound; };
+    ++result.lamp_rays;
+    if (agrees(drawn.open ? full : 0)) continue;
+    const bool tie = agrees(drawn.open ? 0 : full) &&
+                     scene_.sees_in_double(side, drawn.at - side.point, drawn.limit) == Visibility::uncertain;
+    if (tie || drawn.edge < kLampEdge) {
+      ++result.lamp_explained;
+      continue;
+    }
+    ++result.lamp_unexplained;
+    result.excluded = true;
+  }
+  return out;
+}
+
 void Comparison::compare_sun(Sample& side, bool device_sees, Result& result) const {
   if (side.hit.miss() || !plan_.sun_up || !(side.cos_sun > 0)) return;
   ++result.sun_rays;
@@ -136,7 +163,7 @@ void Comparison::compare_sun(Sample& side, bool device_sees, Result& result) con
 Comparison::Result Comparison::compare(const DevicePixel& device, bool with_model) const {
   SampledPixel pixel = scene_.sample_pixel(instrument_, plan_, seed_, device.address);
   const std::size_t samples = pixel.samples.size(),
-                    planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan_.components()));
+                    planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan_.met_sources()));
   const std::size_t sides = pixel.sides();
   if (device.hits.size() != samples || device.sun_visible.size() != sides || device.sky_met.size() != planes * sides ||
       device.radiance.size() != plan_.bands.size())
@@ -149,6 +176,7 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
   result.line = device.address.line, result.sample = device.address.sample;
   result.rays = samples;
   std::vector<SentRays> sent(sides);
+  std::vector<std::vector<double>> lamplight(plan_.lamps.sources() > 0 ? sides : 0);
   const auto rays = numbered_rays(plan_, instrument_, seed_, pixel.number);
   for (std::size_t s = 0; s < samples; ++s) {
     base::throw_if_interrupted();
@@ -168,13 +196,16 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
     for (std::size_t i = s; i < sides; i += samples) {
       Sample& side = pixel.side(i);
       compare_sun(side, device.sun_visible[i] != 0, result);
+      if (!lamplight.empty() && !result.excluded)
+        lamplight[i] =
+            compare_lamps(side, pixel.number, static_cast<std::uint32_t>(s), &device.sky_met[planes * i], result);
       sent[i] = sent_rays(scene_, plan_, seed_, pixel.number, side, rays[s]);
       if (side.hit.miss()) continue;
       result.sky_rays += sent[i].size();
       if (!result.excluded) compare_sky(side, &device.sky_met[planes * i], sent[i], result);
     }
   }
-  result.arithmetic = arithmetic_.radiance(pixel, sent);
+  result.arithmetic = arithmetic_.radiance(pixel, sent, lamplight);
   for (std::size_t b = 0; b < plan_.bands.size(); ++b) {
     result.device.push_back(static_cast<double>(device.radiance[b]));
     result.reference.push_back(result.arithmetic.total(b));
@@ -221,6 +252,7 @@ Report Comparison::report() const {
   report.limits = options_.limits;
   report.adjacency = !plan_.environment.empty();
   report.thermal = plan_.thermal.on;
+  report.lamps = plan_.lamps.sources() > 0;
   report.pixels = results_.size();
   const std::size_t bands = plan_.bands.size();
   std::vector<const Result*> agreeing, modelled, ordered;
@@ -230,6 +262,8 @@ Report Comparison::report() const {
     report.hit_miss += r.hit_miss;
     report.sun_rays += r.sun_rays, report.sun_explained += r.sun_explained, report.sun_unexplained += r.sun_unexplained;
     report.sky_rays += r.sky_rays, report.sky_explained += r.sky_explained, report.sky_unexplained += r.sky_unexplained;
+    report.lamp_rays += r.lamp_rays, report.lamp_explained += r.lamp_explained;
+    report.lamp_unexplained += r.lamp_unexplained;
     report.excluded_pixels += r.excluded;
     ordered.push_back(&r);
     if (r.excluded) continue;
@@ -272,6 +306,9 @@ Report Comparison::report() const {
     if (report.adjacency)
       report.model_environment =
           figure([](const Result& r, std::size_t b) { return r.arithmetic.environment[b] - r.model.environment[b]; });
+    if (report.lamps)
+      report.model_lamps =
+          figure([](const Result& r, std::size_t b) { return r.arithmetic.lamps[b] - r.model.lamps[b]; });
     report.model_path = figure([](const Result& r, std::size_t b) { return r.arithmetic.path[b] - r.model.path[b]; });
     report.model_emission =
         figure([](const Result& r, std::size_t b) { return r.arithmetic.emission[b] - r.model.emission[b]; });

@@ -21,7 +21,7 @@ struct DevicePixel {
   PixelAddress address;
   std::vector<Hit> hits;                  ///< [sample]
   std::vector<std::uint8_t> sun_visible;  ///< [side][sample]; read where the side of the surface faces the sun
-  /// [side][sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that the sample's rays add.
+  /// [side][sample][plane of met sky, kernels/shared/tile_layout.h]: irradiance that the sample's rays add; of lamps.
   std::vector<float> sky_met;
   std::vector<float> radiance;  ///< [band], W m-2 sr-1 um-1
 };
@@ -64,14 +64,17 @@ struct Report {
   std::uint64_t sun_rays = 0, sun_explained = 0, sun_unexplained = 0;
   std::uint64_t sky_rays = 0, sky_explained = 0;  ///< rays
   std::uint64_t sky_unexplained = 0;              ///< samples whose met sky no ties account for
-  std::uint64_t excluded_pixels = 0;              ///< pixels with an unexplained hit, sun ray or sky
-  std::vector<BandDifference> bands;              ///< over the other pixels
+  std::uint64_t lamp_rays = 0, lamp_explained = 0, lamp_unexplained = 0;
+  std::uint64_t excluded_pixels = 0;  ///< pixels with an unexplained hit, ray to sun or lamp, or sky
+  std::vector<BandDifference> bands;  ///< over the other pixels
   double worst_median = 0, worst = 0;
   std::size_t worst_band = 0;
   std::uint32_t worst_line = 0, worst_sample = 0;
   std::uint64_t beyond_pixels = 0;  ///< pixels with a band beyond limits.worst that nothing explains
   std::size_t model_pixels = 0;
   ModelDifference model_total, model_sun, model_sky, model_path;
+  bool lamps = false;  ///< the plan has lamps
+  ModelDifference model_lamps;
   bool adjacency = false;  ///< the plan carries light between ground and air
   ModelDifference model_environment;
   bool thermal = false;
@@ -113,6 +116,9 @@ class Comparison {
   Result compare(const DevicePixel& pixel, bool with_model) const;
   /// The sun's ray from a side of a sample's surface; where the two part by a tie, the side goes the device's way.
   void compare_sun(Sample& side, bool device_sees, Result& result) const;
+  /// Light of lamps on a side, W m-2, [source]: the device's where the reference's draw agrees with it or is a tie.
+  std::vector<double> compare_lamps(const Sample& side, std::uint32_t pixel, std::uint32_t sample, const float* device,
+                                    Result& result) const;
   void compare_sky(const Sample& sample, const float* device, SentRays& sent, Result& result) const;
 
   const plan::Plan& plan_;

@@ -93,14 +93,15 @@ struct Closest {
 struct Shadow {
   const scene::CompiledScene& scene;
   Hit from;
+  double t_far;
   Visibility result = Visibility::visible;
-  double t_max() const { return result == Visibility::blocked ? -1 : kInfinity; }
+  double t_max() const { return result == Visibility::blocked ? -1 : t_far; }
   void operator()(const Hit& hit, const LocalRay& ray) {
     if (hit == from || result == Visibility::blocked) return;
     const Contact c = contact(scene, hit.primitive, ray);
-    if (c.certain())
+    if (c.certain() && c.t + c.t_bound < t_far)
       result = Visibility::blocked;
-    else if (c.possible())
+    else if (c.possible() && c.t - c.t_bound <= t_far)
       result = Visibility::uncertain;
   }
 };
@@ -189,8 +190,8 @@ bool DoubleTracer::hits_anything(const Ray& ray, const Hit& guess) const {
   return !trace(ray).hit.miss();
 }
 
-Visibility DoubleTracer::visibility(const DoubleRay& ray, const Hit& from) const {
-  Shadow visit{scene_, from};
+Visibility DoubleTracer::visibility(const DoubleRay& ray, const Hit& from, double t_far) const {
+  Shadow visit{scene_, from, t_far};
   walk(scene_, ray, visit);
   return visit.result;
 }

@@ -1,6 +1,7 @@
 // Traversal in double on the same fp32 rays, vertices and matrices: the judge where Embree and the device disagree.
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "host/reference/contact.h"
@@ -45,9 +46,10 @@ class DoubleTracer {
   /// Does the ray meet any triangle in double? `guess`: a hit tried first, which spares the walk where it is one.
   bool hits_anything(const Ray& ray, const Hit& guess) const;
 
-  /// For a spawned ray (direction towards the light, infinite); `from` is the surface it leaves and is never its
-  /// blocker.
-  Visibility visibility(const DoubleRay& ray, const Hit& from) const;
+  /// For a spawned ray (direction towards the light); `from` is the surface it leaves and is never its blocker; nothing
+  /// beyond t_far counts, in units of the direction.
+  Visibility visibility(const DoubleRay& ray, const Hit& from,
+                        double t_far = std::numeric_limits<double>::infinity()) const;
 
  private:
   const scene::CompiledScene& scene_;

@@ -133,11 +133,12 @@ Hit EmbreeScene::intersect(const Ray& ray, float t_far) const {
   return {instance, impl_->primitive[impl_->tree_of_instance[instance]][query.hit.primID]};
 }
 
-bool EmbreeScene::occluded(const Ray& ray) const {
+bool EmbreeScene::occluded(const Ray& ray, float t_far) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay query;
   fill(query, ray);
+  query.tfar = t_far;
   rtcOccluded1(impl_->top.handle, &context, &query);
   return query.tfar < 0;
 }

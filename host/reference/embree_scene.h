@@ -23,8 +23,8 @@ class EmbreeScene {
 
   /// `t_far`: nothing beyond counts, in units of the direction.
   Hit intersect(const Ray& ray, float t_far = std::numeric_limits<float>::infinity()) const;
-  /// Anything between the origin and infinity, along the direction?
-  bool occluded(const Ray& ray) const;
+  /// Anything along the direction? `t_far` as above.
+  bool occluded(const Ray& ray, float t_far = std::numeric_limits<float>::infinity()) const;
 
  private:
   struct Impl;

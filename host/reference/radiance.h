@@ -17,11 +17,12 @@ namespace raycube::reference {
 /// Band radiances of one pixel, W m-2 sr-1 um-1, by physics block.
 struct BandRadiance {
   std::vector<double> sun, sky, path;          ///< [band]; sky and path with their thermal light
+  std::vector<double> lamps;                   ///< [band]; empty without lamps
   std::vector<double> environment;             ///< [band]; empty without light between ground and air
   std::vector<double> emission, surroundings;  ///< the surface's own light; that of what hides the sky, reflected
   double total(std::size_t band) const {
     return sun[band] + sky[band] + path[band] + (environment.empty() ? 0 : environment[band]) + emission[band] +
-           surroundings[band];
+           surroundings[band] + (lamps.empty() ? 0 : lamps[band]);
   }
 };
 
@@ -80,13 +81,15 @@ class ArithmeticModel {
   /// Keeps references. Without `open` the plan's own map and table.
   ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, OpenSky open = {});
 
-  /// sent[i]: of SampledPixel::side(i), see sent_rays.
-  BandRadiance radiance(const SampledPixel& pixel, const std::vector<SentRays>& sent) const;
+  /// sent[i]: of SampledPixel::side(i), see sent_rays. lamplight[i]: irradiance on that side by the plan's lamps,
+  /// W m-2, [source], with shapes times pi f.
+  BandRadiance radiance(const SampledPixel& pixel, const std::vector<SentRays>& sent,
+                        const std::vector<std::vector<double>>& lamplight = {}) const;
 
  private:
   /// On the plan's grid, by physics block.
   struct Spectra {
-    std::vector<double> sun, sky, path, emission, surroundings;
+    std::vector<double> sun, sky, path, emission, surroundings, lamps;
   };
   /// By which light that falls onto the side of the sample goes to the viewer; material from 1.
   const std::vector<double>& curve_of(const Sample& sample, std::uint32_t material) const;

@@ -89,6 +89,8 @@ std::vector<std::string> Report::failures() const {
   if (sun_unexplained > 0) out.push_back(std::to_string(sun_unexplained) + " sun rays differ without explanation");
   if (sky_unexplained > 0)
     out.push_back(std::to_string(sky_unexplained) + " samples see another sky without explanation");
+  if (lamp_unexplained > 0)
+    out.push_back(std::to_string(lamp_unexplained) + " sides of samples get other lamplight without explanation");
   if (!(worst_median < limits.median))
     out.push_back("a band's median difference is " + three_digits(worst_median) + ", limit " +
                   three_digits(limits.median));
@@ -118,6 +120,9 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
          std::to_string(sun_unexplained);
   out += "\nsky rays: " + std::to_string(sky_rays) + ", explained " + std::to_string(sky_explained) +
          ", samples unexplained " + std::to_string(sky_unexplained);
+  if (lamps)
+    out += "\nlamp rays: " + std::to_string(lamp_rays) + ", explained " + std::to_string(lamp_explained) +
+           ", unexplained " + std::to_string(lamp_unexplained);
   out += "\narithmetic: worst band median " + three_digits(worst_median) + " (limit " + three_digits(limits.median) +
          "), worst " + three_digits(worst) + " (limit " + three_digits(limits.worst) + ") in band " + band(worst_band) +
          " at line " + std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) + "; pixels left out " +
@@ -127,6 +132,7 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
            band(model_total.band) + " (tolerance " + three_digits(limits.model) + "); sun " +
            three_digits(model_sun.figure) + ", sky " + three_digits(model_sky.figure) + ", path " +
            three_digits(model_path.figure);
+  if (model_pixels > 0 && lamps) out += ", lamps " + three_digits(model_lamps.figure);
   if (model_pixels > 0 && adjacency) out += ", ground around " + three_digits(model_environment.figure);
   if (model_pixels > 0 && thermal)
     out += ", emission " + three_digits(model_emission.figure) + ", surroundings at one temperature " +
@@ -148,6 +154,11 @@ std::string Report::json() const {
   out["sun_rays"] = sun_rays;
   out["sun_explained"] = sun_explained;
   out["sun_unexplained"] = sun_unexplained;
+  if (lamps) {
+    out["lamp_rays"] = lamp_rays;
+    out["lamp_explained"] = lamp_explained;
+    out["lamp_unexplained"] = lamp_unexplained;
+  }
   out["sky_rays"] = sky_rays;
   out["sky_explained"] = sky_explained;
   out["sky_unexplained"] = sky_unexplained;
@@ -166,6 +177,7 @@ std::string Report::json() const {
     };
     out["model"] = {{"pixels", model_pixels},  {"tolerance", limits.model}, {"total", block(model_total)},
                     {"sun", block(model_sun)}, {"sky", block(model_sky)},   {"path", block(model_path)}};
+    if (lamps) out["model"]["lamps"] = block(model_lamps);
     if (thermal) {
       out["model"]["emission"] = block(model_emission);
       out["model"]["surroundings"] = block(model_surroundings);

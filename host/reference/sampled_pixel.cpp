@@ -101,9 +101,9 @@ double ReferenceScene::point_ulp_m(const Sample& sample) const {
   return kUlp * (glm::length(sample.point) + glm::length(translation) + farthest_corner_m(sample));
 }
 
-bool ReferenceScene::sees(const Sample& sample, const glm::dvec3& direction) const {
+bool ReferenceScene::sees(const Sample& sample, const glm::dvec3& direction, double t_far) const {
   const glm::dvec3 origin = sample.point + sample.normal * (kOffsetUlp * point_ulp_m(sample));
-  return !embree.occluded({rounded(origin), rounded(direction)});
+  return !embree.occluded({rounded(origin), rounded(direction)}, static_cast<float>(t_far));
 }
 
 Hit ReferenceScene::meets(const Sample& sample, const glm::dvec3& direction) const {
@@ -111,7 +111,7 @@ Hit ReferenceScene::meets(const Sample& sample, const glm::dvec3& direction) con
   return embree.intersect({rounded(origin), rounded(direction)});
 }
 
-Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3& direction) const {
+Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3& direction, double t_far) const {
   const double ulp_m = point_ulp_m(sample);
   double slack_m = kOriginSlackUlp * ulp_m;
   if (!(compiled.instances[sample.hit.instance].flags & 1u)) {
@@ -121,7 +121,8 @@ Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3
   // Seen edge-on, the point slides along the surface by more than it is off: 1 / cosine, though never off its triangle.
   const double cosine = std::abs(glm::dot(sample.normal, glm::normalize(to_double(sample.ray.direction))));
   slack_m = std::min(slack_m / std::max(cosine, 1e-9), slack_m + farthest_corner_m(sample));
-  return tracer.visibility({sample.point + sample.normal * (kOffsetUlp * ulp_m), direction, slack_m}, sample.hit);
+  return tracer.visibility({sample.point + sample.normal * (kOffsetUlp * ulp_m), direction, slack_m}, sample.hit,
+                           t_far);
 }
 
 void ReferenceScene::place(Sample& sample, const plan::Plan& plan) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -90,12 +91,15 @@ class ReferenceScene {
   /// Point, normal and sun of a sample's sides for the hit it carries (set by Embree, or taken over from the device).
   void place(SampledPixel& pixel, std::size_t sample, const plan::Plan& plan) const;
 
-  /// Nothing between the sample's surface and infinity, by Embree, from an origin offset along the normal.
-  bool sees(const Sample& sample, const glm::dvec3& direction) const;
+  /// Nothing along the direction, by Embree, from an origin offset along the normal. t_far: nothing beyond counts, in
+  /// units of the direction.
+  bool sees(const Sample& sample, const glm::dvec3& direction,
+            double t_far = std::numeric_limits<double>::infinity()) const;
   /// What it meets that way, by the same ray.
   Hit meets(const Sample& sample, const glm::dvec3& direction) const;
   /// The same question to the double traversal, allowing for another computation's origin.
-  Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction) const;
+  Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction,
+                            double t_far = std::numeric_limits<double>::infinity()) const;
 
  private:
   void place(Sample& sample, const plan::Plan& plan) const;

@@ -9,6 +9,7 @@
 #include "host/base/planck.h"
 #include "host/base/units.h"
 #include "host/reference/radiance.h"
+#include "host/reference/lamp_light.h"
 #include "host/reference/spread.h"
 #include "scene_compiler/matter.h"
 
@@ -157,6 +158,7 @@ struct TableModel::PixelSums {
   struct OfCurve {
     double sun = 0;                          ///< sum of weight x fraction x cosine over lit samples
     std::vector<double> sky;                 ///< [direction]: sum of weight x fraction x SkyView::seen
+    std::vector<double> lamps;               ///< [source]: sum of weight x fraction x irradiance
     double cover = 0;                        ///< sum of weight x fraction
     std::map<std::uint32_t, double> hidden;  ///< sum of weight x fraction x SkyView::hidden
   };
@@ -167,7 +169,7 @@ struct TableModel::PixelSums {
 
 /// A pixel's radiance on the plan's grid, by physics block.
 struct TableModel::Spectra {
-  std::vector<double> sun, sky, path, environment, emission, surroundings;
+  std::vector<double> sun, sky, path, environment, emission, surroundings, lamps;
 };
 
 double TableModel::height_of(const Sample& sample) const {
@@ -197,6 +199,7 @@ void TableModel::add_hit(const Sample& sample, const SkyView& view, const double
   const shared::Surface& surface = scene::matter_of(scene_.compiled, sample.hit.primitive);
   const double sun_spread = spread(scene_.compiled, sample,
                                    glm::dvec3(plan_.sun_direction[0], plan_.sun_direction[1], plan_.sun_direction[2]));
+  const std::vector<double> lamplight = all_lamplight(scene_, plan_, sample);
   for (int m = 0; m < 4; ++m) {
     if (surface.material[m] == 0) continue;
     for (int end = 0; end < 2; ++end) {
@@ -208,6 +211,8 @@ void TableModel::add_hit(const Sample& sample, const SkyView& view, const double
       sum.cover += w;
       for (const auto& [blocker, weight] : view.hidden) sum.hidden[blocker] += w * weight;
       if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun) * sun_spread;
+      sum.lamps.resize(lamplight.size(), 0.0);
+      for (std::size_t k = 0; k < lamplight.size(); ++k) sum.lamps[k] += w * lamplight[k];
       sum.sky.resize(direction_.size(), 0.0);
       for (std::size_t k = 0; k < view.seen.size(); ++k) sum.sky[k] += w * view.seen[k];
     }
@@ -297,6 +302,9 @@ void TableModel::add_materials(const PixelSums& sums, int end, double height_m, 
     for (std::size_t i = 0; i < grid; ++i) out.sun[i] += rho[i] * sum.sun * sun_light[i];
     const std::vector<double>& own = emitted_[curve];
     for (std::size_t i = 0; i < own.size(); ++i) out.emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
+    for (std::size_t k = 0; k < sum.lamps.size(); ++k)
+      for (std::size_t i = 0; i < grid; ++i)
+        out.lamps[i] += rho[i] * sum.lamps[k] * plan_.lamps.spectrum[k][i] * direct[i];
     if (direction_.empty()) continue;
     if (plan_.thermal.on) add_surroundings(sum.hidden, rho, direct, out.surroundings);
     const std::vector<double> light = on_grid(sky_at_sensor(sum.sky, height_m, through, thermal_through));
@@ -307,7 +315,7 @@ void TableModel::add_materials(const PixelSums& sums, int end, double height_m, 
 BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
   const PixelSums sums = gather(pixel);
   const std::vector<double> dark(plan_.wavelength_um.size(), 0.0);
-  Spectra spectra{dark, dark, dark, environment_ ? dark : std::vector<double>(), dark, dark};
+  Spectra spectra{dark, dark, dark, environment_ ? dark : std::vector<double>(), dark, dark, dark};
   std::array<std::vector<double>, 2> around;
   if (environment_) around = environment_->around(ground_point(pixel, plan_));
   const double zenith = zenith_deg(pixel.to_sensor);
@@ -321,9 +329,13 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
     }
     if (!sums.ends[end].empty()) add_materials(sums, end, z, zenith, spectra);
   }
-  BandRadiance out{band_values(plan_, spectra.sun),      band_values(plan_, spectra.sky),
-                   band_values(plan_, spectra.path),     {},
-                   band_values(plan_, spectra.emission), band_values(plan_, spectra.surroundings)};
+  BandRadiance out{.sun = band_values(plan_, spectra.sun),
+                   .sky = band_values(plan_, spectra.sky),
+                   .path = band_values(plan_, spectra.path),
+                   .lamps = plan_.lamps.sources() > 0 ? band_values(plan_, spectra.lamps) : std::vector<double>(),
+                   .environment = {},
+                   .emission = band_values(plan_, spectra.emission),
+                   .surroundings = band_values(plan_, spectra.surroundings)};
   if (environment_) out.environment = band_values(plan_, spectra.environment);
   return out;
 }

@@ -28,12 +28,12 @@ BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& sce
       row_floats_(static_cast<std::size_t>(shape.channels) * shape.bands_padded),
       channel_floats_(shape.bands_padded),
       capacity_(rows_that_fit(without(std::min<std::size_t>(bytes, context.device().info().max_alloc_bytes),
-                                      plan.bounces.skeleton.size() * row_floats_ * sizeof(float)),
+                                      plan.skeleton_rows() * row_floats_ * sizeof(float)),
                               row_floats_ * sizeof(float), most_rows(plan))),
-      values_(context, (capacity_ + plan.bounces.skeleton.size()) * row_floats_, cl::Access::read_only, "band table"),
+      values_(context, (capacity_ + plan.skeleton_rows()) * row_floats_, cl::Access::read_only, "band table"),
       keys_(context, capacity_, cl::Access::read_only, "keys of the band table"),
       rows_(context, capacity_, cl::Access::read_only, "rows of the band table") {
-  for (std::uint32_t m = 0; m < plan.bounces.skeleton.size(); ++m) bake(plan::kSkeletonKey | m, skeleton_row() + m);
+  for (std::uint32_t m = 0; m < plan.skeleton_rows(); ++m) bake(plan::kSkeletonKey | m, skeleton_row() + m);
   bake(0, 0);
   write_baked();
   slots_[0] = {0, use_.end()};
@@ -57,9 +57,9 @@ void BandTable::write_baked() {
 }
 
 std::vector<std::uint64_t> BandTable::keys_by_row() const {
-  std::vector<std::uint64_t> keys(capacity_ + plan_.bounces.skeleton.size(), 0);
+  std::vector<std::uint64_t> keys(capacity_ + plan_.skeleton_rows(), 0);
   for (const auto& [key, slot] : slots_) keys[slot.row] = key;
-  for (std::size_t m = 0; m < plan_.bounces.skeleton.size(); ++m) keys[capacity_ + m] = plan::kSkeletonKey | m;
+  for (std::size_t m = 0; m < plan_.skeleton_rows(); ++m) keys[capacity_ + m] = plan::kSkeletonKey | m;
   return keys;
 }
 

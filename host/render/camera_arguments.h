@@ -10,6 +10,7 @@ RC_ARGUMENT_STRUCT(TracePrimaryArguments, "trace_primary", RC_TRACE_PRIMARY_ARGU
 RC_ARGUMENT_STRUCT(MakeSurfaceArguments, "make_surface", RC_MAKE_SURFACE_ARGUMENTS)
 RC_ARGUMENT_STRUCT(TraceSunArguments, "trace_sun", RC_TRACE_SUN_ARGUMENTS)
 RC_ARGUMENT_STRUCT(TraceSkyArguments, "trace_sky", RC_TRACE_SKY_ARGUMENTS)
+RC_ARGUMENT_STRUCT(TraceLampsArguments, "trace_lamps", RC_TRACE_LAMPS_ARGUMENTS)
 RC_ARGUMENT_STRUCT(TraceBounceArguments, "trace_bounce", RC_TRACE_BOUNCE_ARGUMENTS)
 RC_ARGUMENT_STRUCT(FirstOpaqueArguments, "first_opaque", RC_FIRST_OPAQUE_ARGUMENTS)
 RC_ARGUMENT_STRUCT(ShadeArguments, "shade", RC_SHADE_ARGUMENTS)

@@ -93,7 +93,7 @@ LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrum
   out.strip_values = cubes * values + layers;
   if (instrument.first_opaque) out.strip_values += 2 * scene::named_count(scene);  // sums are doubles
   if (instrument.replicates > 1) out.strip_values += 4 * values + 2 * layers;      // sums are doubles
-  out.table_rows = std::min(kFewestRows, most_rows(plan)) + plan.bounces.skeleton.size();
+  out.table_rows = std::min(kFewestRows, most_rows(plan)) + plan.skeleton_rows();
   std::size_t& bytes = out.more_bytes;
   const auto add_parts = [&](const StageShape& shape) {
     if (shape.chunked()) bytes += sensors::kSampleSubsets * shape.row_bytes(row_capacity);

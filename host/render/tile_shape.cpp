@@ -44,6 +44,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.pixels_per_group = pixels_per_group;
   shape.sun = plan.sun_sources;
   shape.components = plan.components();
+  shape.lamps = plan.lamps.sources();
   shape.matter = plan.matter;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
@@ -75,6 +76,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   both("RC_SKY_PLANES", shape.sky_planes());
   both("RC_COMPONENTS", shape.components);
   both("RC_THERMAL_COMPONENTS", shape.thermal_components);
+  if (shape.lamps > 0) both("RC_LAMPS", shape.lamps);
   if (shape.matter.shaped) both("RC_SHAPED", 1);
   if (shape.matter.through) both("RC_THROUGH", 1);
   if (shape.matter.glossy) both("RC_GLOSSY", 1);

@@ -29,7 +29,7 @@ struct StageShape {
   int chunk_samples = 0;                                  ///< of one chunk (the last chunk may hold fewer)
   int chunks = 1;
   int pixels_per_group = RC_GROUP_WIDTH;
-  int sun = 1, components = 0, thermal_components = 0, temperatures = 0;  ///< sources of a material row
+  int sun = 1, components = 0, thermal_components = 0, lamps = 0, temperatures = 0;  ///< sources of a material row
   int heights = 1, views = 1, path_x = 1, path_y = 1;
   int channels = 1;           ///< rows of the band table per key: max of source and path channels
   bool first_opaque = false;  ///< what is opaque behind leaves is traced for truth
@@ -42,14 +42,15 @@ struct StageShape {
   int skeleton = 0;          ///< wavelengths along its paths
   bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
-  int sources() const { return sun + components + temperatures; }
+  int sources() const { return sun + components + lamps + temperatures; }
   int skeleton_padded() const { return RC_PADDED(skeleton); }
-  int sky_planes() const { return RC_SKY_PLANES_OF(components); }
+  int sky_planes() const { return RC_SKY_PLANES_OF(components + lamps); }
   int accumulators() const { return RC_ROW_ACCUMULATORS(sources(), heights); }
   /// Elements of a pixel in the buffers of a chunk.
   shared::TileElements tile() const {
     return {static_cast<std::size_t>(chunk_samples), static_cast<std::size_t>(sky_planes()), matter.shaped,
-            static_cast<std::size_t>(matter.sides()), bounces ? static_cast<std::size_t>(skeleton_padded()) : 0};
+            static_cast<std::size_t>(matter.sides()),
+            bounces ? static_cast<std::size_t>((1 + lamps) * skeleton_padded()) : 0};
   }
   /// Elements of an item in the buffers of rows.
   shared::RowElements rows(std::size_t capacity) const {
@@ -59,7 +60,7 @@ struct StageShape {
   std::size_t term_capacity(std::size_t capacity) const {
     return static_cast<std::size_t>(heights) * path_x * path_y +
            (environment ? RC_ENVIRONMENT_NODES * static_cast<std::size_t>(heights) * views : 0) +
-           (bounces ? static_cast<std::size_t>(skeleton) * heights * views : 0) +
+           (bounces ? static_cast<std::size_t>((1 + lamps) * skeleton) * heights * views : 0) +
            capacity * (static_cast<std::size_t>(sources()) * heights * views + (covers ? 1 : 0));
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.

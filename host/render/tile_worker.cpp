@@ -130,7 +130,7 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
       for (std::size_t s = first; s < end; ++s) {
         const std::size_t slot = side * traced_.elements.near + s - first, to = (p * sides + side) * samples + s;
         probe.sun_visible[to] = (sun[p * traced_.elements.sun + slot / RC_WORD] >> (slot % RC_WORD)) & 1u;
-        for (int m = 0; m < shape.components; ++m)
+        for (int m = 0; m < shape.components + shape.lamps; ++m)
           probe.sky_met[planes * to + m] = met[p * traced_.elements.met_sky + m * traced_.elements.padded + slot];
       }
 }

@@ -49,6 +49,17 @@ struct SkyMapBuffers {
   }
 };
 
+/// Lamps as kernels read them.
+struct LampBuffers {
+  LampBuffers(const cl::Context& context, const plan::Lamps& plan)
+      : lamps(context, plan.lamp, cl::Access::read_only, "lamps"),
+        first(context, plan.first, cl::Access::read_only, "sources of lamps"),
+        distribution(context, plan.distribution, cl::Access::read_only, "distributions of lamps") {}
+  cl::Buffer<shared::Lamp> lamps;
+  cl::Buffer<std::uint32_t> first;
+  cl::Buffer<float> distribution;
+};
+
 /// trace_bounce and what it reads beside the scene.
 struct PathStage {
   PathStage(const cl::Context& context, const cl::Program& program, const plan::Plan& plan, const StageShape& shape,
@@ -83,7 +94,7 @@ std::string identity_of(const std::string& options) {
 }
 
 StageShape without_sky(StageShape shape) {
-  shape.components = shape.thermal_components = 0, shape.bounces = false;
+  shape.components = shape.thermal_components = shape.lamps = 0, shape.bounces = false;
   return shape;
 }
 
@@ -109,7 +120,9 @@ struct TraceStages::State {
         sun(*program, "trace_sun"),
         sky(*program, "trace_sky"),
         sky_map(context_, plan_),
+        lamp_tables(context_, plan_.lamps),
         open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {
+    if (shape.lamps > 0) lamps.emplace(*program, "trace_lamps");
     if (shape.first_opaque) opaque.emplace(*program, "first_opaque");
     if (shape.bounces) paths.emplace(context, *program, plan, shape, std::move(weights_));
   }
@@ -192,6 +205,24 @@ struct TraceStages::State {
                           .met_sky = traced.met_sky});
   }
 
+  const cl::Kernel& lamps_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
+    return lamps->arguments(TraceLampsArguments{.nodes = buffers.nodes,
+                                                .blocks = buffers.blocks,
+                                                .instances = buffers.instances,
+                                                .lobes = buffers.lobes,
+                                                .groups = traced.groups,
+                                                .hits = traced.hits,
+                                                .surface = traced.surface,
+                                                .lift = traced.lift,
+                                                .lamps = lamp_tables.lamps,
+                                                .lamp_first = lamp_tables.first,
+                                                .lamp_distribution = lamp_tables.distribution,
+                                                .seed = plan.sky.hash_seed(seed, sky_draw),
+                                                .columns = layout.columns,
+                                                .first_sample = first_sample(chunk),
+                                                .met_sky = traced.met_sky});
+  }
+
   const cl::Kernel& paths_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
     paths->load(context, chunk, first_sample(chunk), sample_count(chunk));
     return paths->kernel.arguments(
@@ -204,6 +235,9 @@ struct TraceStages::State {
                              .skeleton_curve = paths->curve,
                              .source_share = paths->share,
                              .ground_around = paths->ground,
+                             .lamps = lamp_tables.lamps,
+                             .lamp_first = lamp_tables.first,
+                             .lamp_distribution = lamp_tables.distribution,
                              .lowest = lowest,
                              .groups = traced.groups,
                              .hits = traced.hits,
@@ -245,7 +279,9 @@ struct TraceStages::State {
   std::shared_ptr<const cl::Program> program;
   cl::Kernel primary, surface, sun, sky;
   SkyMapBuffers sky_map;
+  LampBuffers lamp_tables;
   cl::Buffer<float> open_share;
+  std::optional<cl::Kernel> lamps;  ///< trace_lamps, where there are any
   std::optional<PathStage> paths;
   std::optional<cl::Kernel> opaque;  ///< first_opaque, where the shape has it
   const void* zeroed = nullptr;      ///< buffers whose unused visibility has been cleared
@@ -342,6 +378,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
                                                                   .sample_count = sample_count}));
   if (s.plan.sun_up) launch("trace_sun", s.sun_of(layout, traced));
   if (s.sends_to_sky()) launch("trace_sky", s.sky_of(layout, chunk, traced));
+  if (s.lamps) launch("trace_lamps", s.lamps_of(layout, chunk, traced));
   if (s.paths) launch("trace_bounce", s.paths_of(layout, chunk, traced));
 }
 

@@ -88,7 +88,7 @@ struct HitProbe {
 struct PixelProbe : HitProbe {
   int sides = 1;                          ///< slots of a sample (scene::CameraMatter), the near side first
   std::vector<std::uint8_t> sun_visible;  ///< [pixel][side][sample]
-  std::vector<float> sky_met;   ///< [pixel][side][sample][component 0..3 or 0..7], irradiance that its rays add
+  std::vector<float> sky_met;   ///< [pixel][side][sample][plane], irradiance that its rays add, then that of lamps
   std::vector<float> radiance;  ///< [pixel][band]
   std::vector<float> truth;     ///< [pixel][layer]
 };

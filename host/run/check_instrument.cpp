@@ -53,7 +53,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
                      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
                        pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
                      const std::size_t sides = static_cast<std::size_t>(probe.sides) * samples,
-                                       values = sides * static_cast<std::size_t>(RC_SKY_PLANES_OF(plan.components()));
+                                       values = sides * static_cast<std::size_t>(RC_SKY_PLANES_OF(plan.met_sources()));
                      const auto of_pixel = [p](const auto& all, std::size_t count) {
                        const auto begin = all.begin() + static_cast<std::ptrdiff_t>(p * count);
                        return std::remove_cvref_t<decltype(all)>(begin, begin + static_cast<std::ptrdiff_t>(count));

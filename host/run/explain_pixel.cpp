@@ -30,7 +30,11 @@ Origin origin_of(const plan::Plan& plan, const scene::CompiledScene& scene, cons
   if (kind == emission)  // a leaf's is 1 less both of its curves
     return {kind, scene::reflectance_curve(scene, scene::material_of_curve(scene, curve)), 0};
   const int component = static_cast<int>(term.channel) / (plan.height.count * plan.view.count) - plan.first_component();
-  return {kind, curve, kind == sky ? component + 1 : kind == thermal_sky ? component - plan.sky_components + 1 : 0};
+  return {kind, curve,
+          kind == sky           ? component + 1
+          : kind == thermal_sky ? component - plan.sky_components + 1
+          : kind == lamps       ? component - plan.components() + 1
+                                : 0};
 }
 
 std::map<Origin, render::PixelTerms> by_origin(const plan::Plan& plan, const scene::CompiledScene& scene,

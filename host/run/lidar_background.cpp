@@ -62,8 +62,16 @@ std::vector<std::size_t> ascending_lines(const scene::Lidar& lidar) {
 
 }  // namespace
 
+bool lamps_send(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+  return std::any_of(simulation.lamps.begin(), simulation.lamps.end(), [&](const scene::Lamp& lamp) {
+    return std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(),
+                       [&](const auto& line) { return lamp.spectrum.at(line.wavelength_um) > 0; });
+  });
+}
+
 bool has_background(const scene::Simulation& simulation, const scene::Lidar& lidar) {
-  return lidar.detector.solar_background && (simulation.sun.zenith_deg < 90 || emits_light(simulation.scene, lidar));
+  return lidar.detector.solar_background &&
+         (simulation.sun.zenith_deg < 90 || lamps_send(simulation, lidar) || emits_light(simulation.scene, lidar));
 }
 
 scene::Instrument background_camera(const lidar::LidarPlan& plan, std::span<const lidar::Shot> shots) {

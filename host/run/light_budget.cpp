@@ -320,6 +320,7 @@ plan::Plan plan_without_air(scene::Simulation& simulation, const scene::LightBud
   simulation.atmosphere = {};
   simulation.atmosphere.none = true;
   simulation.thermal_below_3um = false;
+  simulation.lamps.clear();
   simulation.sky_directions = 1, simulation.sky_directions_given = true;
   simulation.bounces_given = true;
   const int bounces = std::exchange(simulation.bounces, 0);

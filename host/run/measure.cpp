@@ -271,6 +271,7 @@ MeasureResult measure(render::Renderer& renderer, const render::RenderOptions& o
   simulation.atmosphere = {};
   simulation.atmosphere.none = true;
   simulation.thermal_below_3um = false;
+  simulation.lamps.clear();
   simulation.sky_directions = 2 * measure.paths, simulation.sky_directions_given = true;
   simulation.bounces_given = true;
   const std::vector<double> white = white_radiance(options, simulation, bands, services);

@@ -109,7 +109,8 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   }
 #if RC_BOUNCES
   /* Light between surfaces: the pixel's own mean over the height nodes stands for where it was scattered last. */
-  for (uint m = 0; m < skeleton_rows; ++m) {
+  for (uint row = 0; row < (1u + RC_LAMPS) * skeleton_rows; ++row) {
+    const uint m = row / skeleton_rows * RC_SKELETON + row % skeleton_rows;
     float sum = 0.0f;
     for (uint part = 0; part < RC_PATH_PARTS; ++part) sum += glow[RC_GLOW_AT(pixel, part) + m];
     if (glow_part < RC_PATH_PARTS)
@@ -118,7 +119,7 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
       for (int v = 0; v < min(2, RC_VIEWS); ++v) {
         const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, fv));
         if (w == 0.0f) continue;
-        rows[n] = (skeleton_row + m) * RC_CHANNELS + h * RC_VIEWS + (uint)(iv + v);
+        rows[n] = (skeleton_row + row) * RC_CHANNELS + h * RC_VIEWS + (uint)(iv + v);
         weights[n++] = w;
       }
   }

@@ -3,6 +3,9 @@
 #include "kernels/entry/make_surface.cl"
 #include "kernels/entry/trace_sun.cl"
 #include "kernels/entry/trace_sky.cl"
+#if RC_LAMPS
+#include "kernels/entry/trace_lamps.cl"
+#endif
 #if RC_BOUNCES || RC_FIRST_OPAQUE /* here for both: a program has each file once */
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/light/path_ends.h"

@@ -1,7 +1,8 @@
 /* Reads: hits, surface points of make_surface, the scene and its ground's skyline, its curves at the skeleton
  * wavelengths, the sky's maps.
  * Writes: by pixel and part of its samples, what light of the sun and its sky that was scattered at least twice adds,
- * at each skeleton wavelength: radiance per unit of both together (plan::Bounces::together), times pi. Next: resolve.
+ * at each skeleton wavelength: radiance per unit of both together (plan::Bounces::together), times pi; then what light
+ * of lamps does, by their sources. Next: resolve.
  */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/light/bounce.h"
@@ -17,7 +18,7 @@ static inline void rc_add_paths(SceneArrays scene, const PathTables* t, Paths16*
   rc_follow(scene, t, paths);
   for (uint k = 0; k < paths->count; ++k) {
     global float* to = out + RC_GLOW_AT(paths->pixel[k], paths->part[k]);
-    for (uint m = 0; m < RC_SKELETON; ++m) to[m] = fma(paths->scale[k], paths->gained[k][m], to[m]);
+    for (uint m = 0; m < RC_GLOW_WIDTH; ++m) to[m] = fma(paths->scale[k], paths->gained[k][m], to[m]);
   }
   paths->count = 0, paths->live = 0;
 }
@@ -54,7 +55,7 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
       factor *= rc_spread(t->lobes, in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
 #endif
     rc_carry_on(scene, t, first->surface[i], first->side[i], factor, unit, paths->carried[k]);
-    for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = 0.0f;
+    for (uint m = 0; m < RC_GLOW_WIDTH; ++m) paths->gained[k][m] = 0.0f;
     paths->reach[k] = first->side[i] == RC_GLOSS_SIDE ? 1.0f : t->scattering[first->surface[i]].y;
     paths->pixel[k] = first->pixel[i], paths->part[k] = first->part[i];
     paths->number[k] = first_number + first->pixel[i], paths->path[k] = first->path[i];
@@ -87,7 +88,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
       lowest,
       sun_up,
       levels,
-      seed};
+      seed RC_GATHER_LAMPS()};
   const uint samples = RC_NU * RC_NV;
   global float* out = glow + RC_GLOW_AT(place.pixel, 0u);
   global const float* group_in = surface + RC_SURFACE_AT(place.pixel);

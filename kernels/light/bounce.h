@@ -5,6 +5,9 @@
 #define RAYCUBE_KERNELS_LIGHT_BOUNCE_H
 
 #include "kernels/geometry/any_hits16.h"
+#if RC_LAMPS
+#include "kernels/light/lamps.h"
+#endif
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/light/path_ends.h"
 #include "kernels/light/sky_map.h"
@@ -12,6 +15,13 @@
 #include "kernels/shared/product_key.h"
 
 #define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
+#if RC_LAMPS
+#define RC_GATHER_LAMPS() \
+  , { lamps, lamp_first, lamp_distribution }
+#else
+#define RC_GATHER_LAMPS()
+#endif
+#define RC_LAMP_DRAW 11u /* after them, and past the photons' and RC_LAMP_DIMENSION: six for each source of lamps */
 
 /* What paths ask of matter and light. */
 typedef struct PathTables {
@@ -24,16 +34,19 @@ typedef struct PathTables {
   float4 sun;   /* direction to it */
   float lowest; /* z of the scene, m */
   uint sun_up, levels, seed;
+#if RC_LAMPS
+  LampTables lamps;
+#endif
 } PathTables;
 
 typedef struct Paths16 {
   Rays16 rays;
   float carried[16][RC_SKELETON];
-  float gained[16][RC_SKELETON];
-  float reach[16];           /* bound of what is carried: product of the surfaces' largest R + T */
-  float scale[16];           /* samples that the path stands for, times their weight */
-  uint pixel[16], part[16];  /* of the group; part of its samples */
-  uint number[16], path[16]; /* of the pixel in the image, of the path in the pixel: for draws */
+  float gained[16][RC_GLOW_WIDTH]; /* of sun and sky, then of each source of lamps */
+  float reach[16];                 /* bound of what is carried: product of the surfaces' largest R + T */
+  float scale[16];                 /* samples that the path stands for, times their weight */
+  uint pixel[16], part[16];        /* of the group; part of its samples */
+  uint number[16], path[16];       /* of the pixel in the image, of the path in the pixel: for draws */
   uint count;
   uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
   Ends16 ends;
@@ -89,6 +102,33 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
     for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = fma(t->source_share[m], light[m], paths->gained[k][m]);
   }
 }
+
+#if RC_LAMPS
+/* Lamplight on the ends of the live paths: one lamp of each source for each side that light goes on from. */
+__attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const PathTables* t, uint live, uint level,
+                                                    Ends16* ends, Paths16* paths) {
+  for (; live; live &= live - 1u) {
+    const uint k = rc_lowest(live), surface = ends->surface[k], number = paths->number[k], path = paths->path[k];
+    const float4 normal = rc_lane_of(ends->normal, k), front = rc_lane_of(ends->front, k);
+    const float4 point = front - ends->lift[k] * normal;
+    const uint sides = rc_is_leaf(t->lobes, surface) ? 2u : 1u;
+    for (uint i = 0; i < sides * RC_LAMPS; ++i) {
+      const uint side = i / RC_LAMPS, source = i % RC_LAMPS, draw = RC_LAMP_DRAW + 3u * i;
+      const float4 from = side == 0u ? front : rc_lane_of(ends->back, k);
+      const LampDraw lamp = rc_draw_lamp(
+          &t->lamps, source, point, side == 0u ? normal : -normal, rc_path_draw(t, number, path, level, draw),
+          rc_path_draw(t, number, path, level, draw + 1u), rc_path_draw(t, number, path, level, draw + 2u));
+      if (!(lamp.irradiance > 0.0f) || rc_lamp_hidden(scene, from, lamp)) continue;
+      float factor = lamp.irradiance;
+      if (side == 0u) factor *= rc_shape_factor(t->lobes, surface, normal, lamp.direction, -rc_way_of(&paths->rays, k));
+      float light[RC_SKELETON];
+      rc_carry_on(scene, t, surface, side, factor, paths->carried[k], light);
+      float* gained = paths->gained[k] + (1u + source) * RC_SKELETON;
+      for (uint m = 0; m < RC_SKELETON; ++m) gained[m] += light[m];
+    }
+  }
+}
+#endif
 
 /* Sky that a path's ray sees: drawn by the cosine, a ray stands for pi sr of it. */
 static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
@@ -157,6 +197,9 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
     rc_stand(scene, t->lobes, &paths->rays, live, &paths->ends);
 #if RC_SUN
     if (t->sun_up) rc_gain_sun(scene, t, live, &paths->ends, paths);
+#endif
+#if RC_LAMPS
+    rc_gain_lamps(scene, t, live, level, &paths->ends, paths);
 #endif
     live = rc_go_on(scene, t, live, level, &paths->ends, paths);
     if (level == t->levels) break;

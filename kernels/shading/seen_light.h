@@ -1,5 +1,5 @@
 /* Of the light that an open sky would send, what reaches the samples: the sun where it is seen, the sky as its rays
- * met it, each times the sample's weight. 16 samples at a time. */
+ * met it, lamps, each times the sample's weight. 16 samples at a time. */
 #ifndef RAYCUBE_KERNELS_SHADING_SEEN_LIGHT_H
 #define RAYCUBE_KERNELS_SHADING_SEEN_LIGHT_H
 
@@ -39,7 +39,7 @@ static inline void rc_weigh_seen_light(const TracedPixel* traced, global const L
 #endif
   rc_store16(rc_masked(sent, word->lit), g, samples->value[0]);
 #endif
-  for (int m = 0; m < RC_COMPONENTS; ++m) {
+  for (int m = 0; m < RC_COMPONENTS + RC_LAMPS; ++m) {
     const float16 e = rc_load16(g, samples->value[RC_SUN + m]) + rc_load16(g, traced->met_sky + RC_PLANE(m));
     rc_store16(rc_masked(word->weight * e, word->hit), g, samples->value[RC_SUN + m]);
   }

@@ -81,6 +81,23 @@
   VALUE(rc_uint, sample_count) NEXT() \
   WRITE(rc_float, met_sky)
 
+#define RC_TRACE_LAMPS_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  SCENE(BvhNode, nodes, NODES) NEXT() \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Instance, instances, INSTANCES) NEXT() \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
+  READ(RayGroup, groups) NEXT() \
+  READ(rc_uint, hits) NEXT() \
+  READ(rc_float, surface) NEXT() \
+  READ(rc_float, lift) NEXT() \
+  READ(Lamp, lamps) NEXT()            /* by source */ \
+  READ(rc_uint, lamp_first) NEXT()    /* of each source, and the end */ \
+  READ(rc_float, lamp_distribution) NEXT() /* of each lamp: vertical angles, horizontal angles, values by both */ \
+  VALUE(rc_uint, seed) NEXT() \
+  VALUE(rc_uint, columns) NEXT() \
+  VALUE(rc_uint, first_sample) NEXT() \
+  WRITE(rc_float, met_sky)
+
 #define RC_TRACE_BOUNCE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
@@ -91,6 +108,9 @@
   READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
   READ(rc_float, source_share) NEXT() /* [sun, solar components][RC_SKELETON]: a source's light over that of all */ \
   READ(rc_float, ground_around) NEXT() /* [RC_SKELETON]: pi times its radiance over the light of all */ \
+  READ(Lamp, lamps) NEXT()            /* read where RC_LAMPS, as the next */ \
+  READ(rc_uint, lamp_first) NEXT() \
+  READ(rc_float, lamp_distribution) NEXT() \
   VALUE(rc_float, lowest) NEXT()      /* z of the scene, m: from below nothing sees the ground around */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
@@ -183,7 +203,7 @@
   VALUE(rc_float, glow_scale) NEXT()  /* weight of all samples over that of the part */ \
   VALUE(rc_float, glow_spread) NEXT() /* what a part's distance from the whole is multiplied by */ \
   VALUE(rc_uint, skeleton_row) NEXT() /* of the band table, of the first skeleton wavelength; the others follow */ \
-  VALUE(rc_uint, skeleton_rows) NEXT() /* how many of them there are */ \
+  VALUE(rc_uint, skeleton_rows) NEXT() /* wavelengths; for each source of lamps so many again */ \
   WRITE(rc_uint, term_count) NEXT() \
   WRITE(rc_uint, term_row) NEXT()     /* [item][term_capacity], as the next */ \
   WRITE(rc_float, term_weight)

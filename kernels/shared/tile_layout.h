@@ -16,10 +16,12 @@
  *   sun       ushort  [words]                    bit s % 16 of word s / 16: the sample sees the sun
  *   met_sky   float   [RC_SKY_PLANES][padded]    irradiance, by component: what the sample's rays into the sky add to
  *                                               the share of the open sky that is taken for granted; zero where it
- *                                               sends none. With shapes (RC_SHAPED) open sky counts pi f times
- *   glow      float   [RC_PATH_PARTS][RC_SKELETON]  where light goes on from surface to surface (RC_BOUNCES): by part
- *                                               of the samples, what it adds at the skeleton wavelengths, per light
- *                                               of the sun and its sky together; the parts' sum is the pixel's
+ *                                               sends none. With shapes (RC_SHAPED) open sky counts pi f times. Then
+ *                                               that of lamps, by their sources, likewise
+ *   glow      float   [RC_PATH_PARTS][1 + RC_LAMPS][RC_SKELETON]  where light goes on from surface to surface
+ *                                               (RC_BOUNCES): by part of the samples, what it adds at the skeleton
+ *                                               wavelengths, per light of the sun and its sky together, then per
+ *                                               light of each source of lamps; the parts' sum is the pixel's
  *   opaque    uint    [near slots]               where it is asked for (RC_FIRST_OPAQUE): the first primitive on the
  *                                               sample's ray that lets no light through, or RC_NONE
  * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
@@ -29,9 +31,10 @@
  *   keys      ulong   [capacity]                 product keys, in the order in which they came up
  *   sums      float   [capacity][carried][RC_ROW_ACCUMULATORS]
  *     [source * heights + h]  the direct sun where the plan has it (weight * visibility * max(0, n.s); with shapes
- *                             times pi f), then the components of sky and surroundings (weight * their irradiance),
- *                             then the temperature nodes of emission (weight * node weight of the material's
- *                             temperature), each split over the height nodes by linear weights
+ *                             times pi f), then the components of sky and surroundings and the sources of lamps
+ *                             (weight * their irradiance), then the temperature nodes of emission (weight * node
+ *                             weight of the material's temperature), each split over the height nodes by linear
+ *                             weights
  *     [last]                  coverage: sum of sample weights (the material's abundance in the pixel)
  *   path      float   [carried][heights]         weight of all samples at the height nodes
  *   truth     float   [carried][RC_TRUTH_SUMS]   sums RC_TRUTH_*, of the samples that hit, times their weight
@@ -63,8 +66,8 @@
 #define RC_LOBE_AT 9 /* bits of which Lobe record its shape is, from 1; 0: Lambert's law */
 #define RC_POINT_PLANES_OF(shaped) ((shaped) ? 10 : 6)
 
-/* Planes of met sky, whole float4s of components. */
-#define RC_SKY_PLANES_OF(components) ((components) > 4 ? 8 : 4)
+/* Planes of met sky, whole float4s: components of the sky, and sources of lamps. */
+#define RC_SKY_PLANES_OF(sources) ((sources) > 8 ? 12 : (sources) > 4 ? 8 : 4)
 
 #define RC_ROW_ACCUMULATORS(sources, heights) ((sources) * (heights) + 1)
 #define RC_ROW_OVERFLOW 0xFFFFFFFFu /* count of a pixel that needs more keys than its row holds */
@@ -119,6 +122,9 @@
 #ifndef RC_THERMAL_COMPONENTS
 #define RC_THERMAL_COMPONENTS 0 /* the last of RC_COMPONENTS */
 #endif
+#ifndef RC_LAMPS
+#define RC_LAMPS 0 /* sources of lamps */
+#endif
 #ifndef RC_TEMPERATURES
 #define RC_TEMPERATURES 0 /* nodes of emission */
 #endif
@@ -134,6 +140,7 @@
 #ifndef RC_SKELETON
 #define RC_SKELETON 16 /* wavelengths along paths, whole words; asked for where there are bounces */
 #endif
+#define RC_GLOW_WIDTH ((1 + RC_LAMPS) * RC_SKELETON) /* of a part */
 #define RC_GLOW_SOURCES (RC_SUN + RC_COMPONENTS - RC_THERMAL_COMPONENTS)
 #define RC_NEAR_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)
 #define RC_NEAR_WORDS (RC_NEAR_SAMPLES / RC_WORD)
@@ -146,8 +153,8 @@
    : RC_THROUGH && (slot) < 2 * RC_NEAR_SAMPLES ? RC_FAR_SIDE  \
                                                 : RC_GLOSS_SIDE)
 #define RC_SLOT_OF(sample, side) ((sample) + ((side) == RC_GLOSS_SIDE ? 1u + RC_THROUGH : (side)) * RC_NEAR_SAMPLES)
-/* Sources that have a value per sample, sun, sky and surroundings; emission follows them in a row. */
-#define RC_LIT (RC_SUN + RC_COMPONENTS)
+/* Sources that have a value per sample, sun, sky, surroundings and lamps; emission follows them in a row. */
+#define RC_LIT (RC_SUN + RC_COMPONENTS + RC_LAMPS)
 #define RC_SOURCES (RC_LIT + RC_TEMPERATURES)
 #define RC_ACCUMULATORS RC_ROW_ACCUMULATORS(RC_SOURCES, RC_HEIGHTS)
 /* A pixel's first element in each buffer; planes begin RC_PLANE further. */
@@ -156,7 +163,7 @@
 #define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
 #define RC_MET_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
-#define RC_GLOW_AT(pixel, part) (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_SKELETON) /* a part's first element */
+#define RC_GLOW_AT(pixel, part) (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_GLOW_WIDTH) /* a part's first element */
 #define RC_FIRST_OPAQUE_AT(pixel) ((size_t)(pixel)*RC_NEAR_SAMPLES)
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
 /* An item's first element, and a key's sums from there. */

@@ -91,6 +91,11 @@ ROUGH = '{ name = "rough", reflectance = 0.3, oren_nayar = { sigma_deg = 25.0 } 
 ROUGH_GROUND = '{ material = "rough", position_m = [-5.0, -2.0, 0.1], size_m = [12.0, 12.0], tilt_deg = 10.0 },'
 LAYERED = '{ model = "layered", spectral_step_nm = 20.0%s }'
 LONGWAVE = "first_nm = 8000.0, step_nm = 900.0, count = 5, fwhm_nm = 400.0"
+LAMPS = """lamp = [
+  { name = "point", position_m = [1.0, 2.0, 4.0], temperature_K = 2800.0, flux_lm = 5000.0 },
+  { name = "disc", shape = "disc", position_m = [-3, 1, 3], diameter_m = 2.0, temperature_K = 4000.0, power_W = 5.0 },
+  { name = "spot", shape = "spot", cone_deg = [20, 40], position_m = [2, -3, 5], temperature_K = 2800.0, power_W = 60 },
+]"""
 CAMERAS = {
     "grid": {},
     "vacuum": dict(air='{ model = "none" }', samples="samples = { lattice = 34 }"),
@@ -129,6 +134,7 @@ CAMERAS = {
         bounces=2,
         instrument='band_truth = ["parts", "irradiance", "reflectance", "emissivity", "transmission"]',
     ),
+    "lamps": dict(head="sky_directions = 16\n" + LAMPS, bounces=2, samples="samples = { lattice = 34 }"),
     "nodes": dict(tolerance=0.0005, pose=FRAME.replace("roll_deg = 1.0", "roll_deg = 35.0")),
 }
 LIDAR = (

@@ -1,0 +1,35 @@
+// Light of lamps on one side of a sample's surface: by the draw that the device makes, and by all lamps at once.
+#pragma once
+
+#include <vector>
+
+#include "host/reference/sampled_pixel.h"
+
+namespace raycube::reference {
+
+/// The lamp that a side has drawn of a source (kernels/light/lamps.h), in double and by formulas of its own.
+struct DrawnLamp {
+  double irradiance = 0;    ///< W m-2 of the source's spectrum if nothing is in the way, over the draw's chance
+  glm::dvec3 at{0};         ///< m, scene frame: where on the lamp
+  glm::dvec3 direction{0};  ///< unit, to there
+  double limit = 1;         ///< of the way to there, where something may hide it
+  bool open = true;
+  double bound = 0;  ///< W m-2, by which another computation of the same draw may be off
+  double edge = 1;   ///< how far the draw was from drawing another lamp
+};
+
+/// Closer than this to another lamp, sums rounded otherwise may draw that one.
+inline constexpr double kLampEdge = 1e-5;
+
+/// number: of the draw (rc_lamp_number).
+DrawnLamp drawn_lamp(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel,
+                     std::uint32_t number, std::uint32_t source, const Sample& side);
+
+/// Irradiance of every source, with shapes times pi f: of every lamp in sight, surfaces by 64 points each.
+std::vector<double> all_lamplight(const ReferenceScene& scene, const plan::Plan& plan, const Sample& side);
+
+/// The same by one point of each surface, v and w in [0, 1): right in the mean of many.
+std::vector<double> some_lamplight(const ReferenceScene& scene, const plan::Plan& plan, const Sample& side, double v,
+                                   double w);
+
+}  // namespace raycube::reference
