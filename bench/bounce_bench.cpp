@@ -1,5 +1,5 @@
-// Rays from surface to surface: from what a camera sees by the cosine, of these the ones that go down or are hidden, and
-// from what they meet once more; closest hits, against the best Embree can do with the same scene.
+// Rays from surface to surface: from what a camera sees by the cosine, of these the ones that go down or are hidden,
+// and from what they meet once more; closest hits, against the best Embree can do with the same scene.
 #include <algorithm>
 #include <cmath>
 #include <limits>

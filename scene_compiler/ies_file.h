@@ -9,9 +9,8 @@
 
 namespace raycube::scene {
 
-/// Intensities with ballast and multiplier factors, without those for tilted lamps, horizontal angles from 0 to 360 deg;
-/// nullopt after reporting
-/// what is wrong.
+/// Intensities with ballast and multiplier factors, without those for tilted lamps; horizontal angles from 0 to
+/// 360 deg. nullopt after reporting what is wrong.
 std::optional<LampDistribution> read_ies(const std::string& file, const base::Where& asked_by,
                                          base::Problems& problems);
 

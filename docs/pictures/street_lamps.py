@@ -87,8 +87,11 @@ def street(folder):
         table(folder / f"{name}.csv", "wavelength_nm,flux", zip(nm, light(nm, peaks)))
     red_edge = 1 / (1 + np.exp(-(nm - 715) / 12))
     green = np.exp(-0.5 * ((nm - 550) / 35) ** 2)
-    table(folder / "leaf.csv", "wavelength_nm,reflectance,transmittance",
-          zip(nm, 0.05 + 0.07 * green + 0.4 * red_edge, 0.02 + 0.06 * green + 0.4 * red_edge))
+    table(
+        folder / "leaf.csv",
+        "wavelength_nm,reflectance,transmittance",
+        zip(nm, 0.05 + 0.07 * green + 0.4 * red_edge, 0.02 + 0.06 * green + 0.4 * red_edge),
+    )
     table(folder / "brick.csv", "wavelength_nm,reflectance", zip(nm, 0.08 + 0.3 / (1 + np.exp(-(nm - 600) / 35))))
     crown(folder / "crown.obj", rng)
     cosine = 90.0
@@ -96,32 +99,49 @@ def street(folder):
     wing = np.clip(0.55 + 0.75 * np.sin(np.radians(angles)) ** 2, 0, None) * (angles < 72)  # a street luminaire's
     planes = [wing * (0.6 + 0.4 * abs(np.cos(np.radians(h)))) * 300 for h in (0, 30, 60, 90)]
     (folder / "street.ies").write_text(
-        f"IESNA:LM-63-2002\nTILT=NONE\n1 8000 1.0 {len(angles)} 4 1 2 0 0 0 1 1 {cosine}\n" + " ".join(map(str, angles))
-        + "\n0 30 60 90\n" + "\n".join(" ".join(f"{v:.2f}" for v in plane) for plane in planes) + "\n")
+        f"IESNA:LM-63-2002\nTILT=NONE\n1 8000 1.0 {len(angles)} 4 1 2 0 0 0 1 1 {cosine}\n"
+        + " ".join(map(str, angles))
+        + "\n0 30 60 90\n"
+        + "\n".join(" ".join(f"{v:.2f}" for v in plane) for plane in planes)
+        + "\n"
+    )
     boxes, x = [], -95.0
     while x < 90:
         width, height = rng.uniform(11, 19), rng.uniform(7, 15)
         for side in (1, -1):
             if side < 0 and -20 < x < 25:
                 continue
-            boxes.append(f'{{ material = "{rng.choice(["brick", "plaster"])}", position_m = [{x + width / 2:.2f}, '
-                         f'{side * 14.5}, 0], size_m = [{width:.2f}, 12.0, {height:.2f}] }}')
+            boxes.append(
+                f'{{ material = "{rng.choice(["brick", "plaster"])}", position_m = [{x + width / 2:.2f}, '
+                f"{side * 14.5}, 0], size_m = [{width:.2f}, 12.0, {height:.2f}] }}"
+            )
         x += width + rng.uniform(0.5, 5)
     lamps = []
     for i, at in enumerate(np.arange(-84, 90, 24.0)):
         for side, kind in ((1, "sodium"), (-1, "led")):
             lx = at + (0 if side > 0 else 12)
             boxes.append(f'{{ material = "roof", position_m = [{lx}, {side * 4.6}, 0], size_m = [0.2, 0.2, 8.2] }}')
-            lamps.append(f'{{ name = "{kind}{i}", position_m = [{lx}, {side * 3.9}, 8.0], ies = "street.ies", '
-                         f'turn_deg = 90.0, spectrum = "{kind}.csv", flux_lm = 9000.0 }}')
+            lamps.append(
+                f'{{ name = "{kind}{i}", position_m = [{lx}, {side * 3.9}, 8.0], ies = "street.ies", '
+                f'turn_deg = 90.0, spectrum = "{kind}.csv", flux_lm = 9000.0 }}'
+            )
     for lx in (-33.0, -14.0, 9.0, 31.0):
-        boxes.append(f'{{ material = "car", position_m = [{lx}, {2.9 if lx < 0 else -2.9}, 0.3], size_m = [4.4, 1.8, 1.2] }}')
-    lamps.append('{ name = "window", shape = "rectangle", position_m = [8.0, 8.45, 1.8], size_m = [7.0, 2.4], '
-                 'direction = [0, -1, 0], temperature_K = 3000, flux_lm = 12000.0 }')
-    lamps.append('{ name = "flood", shape = "spot", position_m = [-22.0, -3.0, 0.6], direction = [0, 1, 0.75], '
-                 'cone_deg = [12.0, 26.0], spectrum = "led.csv", flux_lm = 9000.0 }')
-    trees = [f'{{ mesh = "crown", position_m = [{tx}, {ty}, 0], yaw_deg = {rng.uniform(0, 360):.0f}, scale = '
-             f'{rng.uniform(0.9, 1.4):.2f} }}' for tx, ty in zip(np.arange(-18, 26, 7.0), rng.uniform(-13, -8.5, 7))]
+        boxes.append(
+            f'{{ material = "car", position_m = [{lx}, {2.9 if lx < 0 else -2.9}, 0.3], size_m = [4.4, 1.8, 1.2] }}'
+        )
+    lamps.append(
+        '{ name = "window", shape = "rectangle", position_m = [8.0, 8.45, 1.8], size_m = [7.0, 2.4], '
+        "direction = [0, -1, 0], temperature_K = 3000, flux_lm = 12000.0 }"
+    )
+    lamps.append(
+        '{ name = "flood", shape = "spot", position_m = [-22.0, -3.0, 0.6], direction = [0, 1, 0.75], '
+        'cone_deg = [12.0, 26.0], spectrum = "led.csv", flux_lm = 9000.0 }'
+    )
+    trees = [
+        f'{{ mesh = "crown", position_m = [{tx}, {ty}, 0], yaw_deg = {rng.uniform(0, 360):.0f}, scale = '
+        f"{rng.uniform(0.9, 1.4):.2f} }}"
+        for tx, ty in zip(np.arange(-18, 26, 7.0), rng.uniform(-13, -8.5, 7))
+    ]
     trees += [f'{{ mesh = "crown", position_m = [{tx}, 7.6, 0], scale = 0.8 }}' for tx in (-44, -28, 26, 47)]
     join = ",\n  ".join
     text = SCENE.replace("BOXES", f"box = [\n  {join(boxes)}\n]").replace("TREES", f"instance = [\n  {join(trees)}\n]")

@@ -63,7 +63,8 @@ static inline float rc_lamp_shines(const LampTables* t, global const Lamp* lamp,
   return mix(mix(near[0], near[1], f), mix(far[0], far[1], f), g);
 }
 
-/* What a lamp sends onto a point of a surface of this normal, at most about: above 0 wherever some of its light may come there. */
+/* What a lamp sends onto a point of a surface of this normal, at most about: above 0 wherever some of its light may
+ * come there. */
 static inline float rc_lamp_chance(const LampTables* t, global const Lamp* lamp, float4 point, float4 normal) {
   const float4 way = (float4)(lamp->position.xyz - point.xyz, 0.0f);
   const float d2 = dot(way.xyz, way.xyz), radius = lamp->axis.w;

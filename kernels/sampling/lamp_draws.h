@@ -17,7 +17,7 @@ RC_INLINE rc_u32 rc_lamp_number(int kind, rc_u32 nu, rc_u32 nv, rc_u32 sample) {
 }
 
 /* Draw `number` of a side (RC_NEAR_SIDE ...) of a pixel's samples among the lamps of a source: which lamp follows the
- * golden section, which point of it the R2 sequence (Roberts 2018), for each side and source from a start of its own. */
+ * golden section, which point of it the R2 sequence (Roberts 2018); each side and source has a start of its own. */
 RC_INLINE void rc_lamp_draws(rc_u32 seed, rc_u32 pixel, rc_u32 source, rc_u32 side, rc_u32 number, float* u, float* v,
                              float* w) {
   const rc_u32 start = 9u * source + 3u * side;
