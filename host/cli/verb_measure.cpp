@@ -2,9 +2,14 @@
 // it, without air.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
+#include <system_error>
 
 #include "host/base/error.h"
 #include "host/cli/services.h"
@@ -45,12 +50,26 @@ struct Picked {
   std::vector<scene::LightBudget> budgets;
 };
 
+/// Names of a folder's files that an earlier run may have left: they begin with one of `heads` and end with `tail`.
+std::vector<std::string> earlier_files(const std::string& folder, std::initializer_list<std::string_view> heads,
+                                       std::string_view tail) {
+  std::vector<std::string> out;
+  std::error_code none;  // no folder, no files
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    const bool begins = std::any_of(heads.begin(), heads.end(), [&](auto head) { return name.starts_with(head); });
+    if (begins && name.ends_with(tail)) out.push_back(name);
+  }
+  return out;
+}
+
 /// A measure's files, claimed before anything is traced: the table, and of each band of a plane what RAMI exchanges.
 class MeasureFiles {
  public:
   MeasureFiles(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation,
                const scene::Measure& measure)
       : files_(folder, if_exists) {
+    if (if_exists == base::IfExists::replace) files_.replaces(earlier_files(folder, {"brfpp_", "brfop_"}, ".mes"));
     if (measure.views != scene::MeasureViews::hemisphere)
       for (const scene::Band& band : run::bands_of(simulation, measure.bands_of)) {
         const std::string plane = measure.views == scene::MeasureViews::principal ? "brfpp" : "brfop",
@@ -81,6 +100,7 @@ class BudgetFiles {
  public:
   BudgetFiles(const std::string& folder, base::IfExists if_exists, const scene::LightBudget& budget)
       : files_(folder, if_exists) {
+    if (if_exists == base::IfExists::replace) files_.replaces(earlier_files(folder, {"facets_"}, ".ply"));
     for (const std::string& mesh : budget.facets) facets_.push_back(&files_.add("facets_" + mesh + ".ply"));
     table_ = &files_.add("budget.csv");
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -79,6 +80,28 @@ std::vector<double> values_on(const scene::LampSpectrum& spectrum, const std::ve
   std::vector<double> out;
   for (const double um : wavelength_um) out.push_back(spectrum.at(um));
   return out;
+}
+
+/// Means of a spectrum about the nodes of a grid, each by its hat function: a line between two nodes is not lost.
+std::vector<double> node_means(const scene::LampSpectrum& spectrum, const std::vector<double>& wavelength_um) {
+  std::vector<double> at = wavelength_um, sum(wavelength_um.size(), 0.0), weight = sum;
+  for (const double node : spectrum.wavelength_um)
+    if (node > wavelength_um.front() && node < wavelength_um.back()) at.push_back(node);
+  std::sort(at.begin(), at.end());
+  std::size_t cell = 0;
+  for (std::size_t k = 1; k < at.size(); ++k) {
+    const double low = at[k - 1], high = at[k], middle = (low + high) / 2;
+    while (cell + 2 < wavelength_um.size() && wavelength_um[cell + 1] <= middle) ++cell;
+    const double from = wavelength_um[cell], width = wavelength_um[cell + 1] - from;
+    for (const auto& [um, share] : {std::pair{low, 1.0}, {middle, 4.0}, {high, 1.0}}) {  // Simpson's rule
+      const double f = (um - from) / width, part = share / 6 * (high - low), value = spectrum.at(um);
+      sum[cell] += part * (1 - f) * value, weight[cell] += part * (1 - f);
+      sum[cell + 1] += part * f * value, weight[cell + 1] += part * f;
+    }
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    sum[i] = weight[i] > 0 ? sum[i] / weight[i] : spectrum.at(wavelength_um[i]);
+  return sum;
 }
 
 /// Flux of a source's lamps over the scene's extent on the map, W m-2.
@@ -177,8 +200,10 @@ Spectrum typical_lamplight(const std::vector<scene::Lamp>& lamps, const scene::C
   const auto spectra = lamp_spectra(lamps);
   const auto irradiance = mean_irradiance(lamps, spectra, scene);
   if (!spectra.empty()) out.assign(wavelength_um.size(), 0.0);
-  for (std::size_t s = 0; s < spectra.size(); ++s)
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += irradiance[s] * spectra[s]->at(wavelength_um[i]);
+  for (std::size_t s = 0; s < spectra.size(); ++s) {
+    const std::vector<double> means = node_means(*spectra[s], wavelength_um);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += irradiance[s] * means[i];
+  }
   return out;
 }
 

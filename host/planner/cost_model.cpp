@@ -38,7 +38,9 @@ PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directio
     counts.paths = plan::paths_beside(static_cast<int>(directions));
     counts.path_surfaces = counts.paths * surfaces_of_path(plan);
     counts.skeleton = static_cast<double>(plan.bounces.skeleton.size());
-    counts.terms += counts.skeleton * held(plan.height.count) * held(plan.view.count);
+    counts.lamp_rays += counts.path_surfaces * plan.lamps.sources();
+    counts.lamps += counts.path_surfaces * static_cast<double>(plan.lamps.lamp.size());
+    counts.terms += static_cast<double>(plan.skeleton_rows()) * held(plan.height.count) * held(plan.view.count);
   }
   counts.bands = static_cast<double>(plan.bands.size());
   return counts;

@@ -129,18 +129,21 @@ std::vector<double> Comparison::compare_lamps(const Sample& side, std::uint32_t 
       rc_lamp_number(static_cast<int>(instrument_.sampler), static_cast<rc_u32>(instrument_.samples_u),
                      static_cast<rc_u32>(instrument_.samples_v), sample);
   for (std::size_t m = 0; m < out.size() && !side.hit.miss(); ++m) {
-    const DrawnLamp drawn = drawn_lamp(scene_, plan_, seed_, pixel, number, static_cast<std::uint32_t>(m), side);
-    const double full = drawn.irradiance * spread(scene_.compiled, side, drawn.direction);
+    const LampDraws draws = lamp_draws(scene_, plan_, seed_, pixel, number, static_cast<std::uint32_t>(m), side);
     out[m] = static_cast<double>(device[static_cast<std::size_t>(plan_.components()) + m]);
-    const auto agrees = [&](double light) { return std::abs(out[m] - light) <= drawn.bound; };
+    const auto agrees = [&](double light) { return std::abs(out[m] - light) <= draws.bound; };
+    const auto full = [&](const DrawnLamp& lamp) {
+      return lamp.irradiance * spread(scene_.compiled, side, lamp.direction);
+    };
     ++result.lamp_rays;
-    if (agrees(drawn.open ? full : 0)) continue;
-    const bool tie = agrees(drawn.open ? 0 : full) &&
-                     scene_.sees_in_double(side, drawn.at - side.point, drawn.limit) == Visibility::uncertain;
-    if (tie || drawn.edge < kLampEdge) {
-      ++result.lamp_explained;
-      continue;
-    }
+    if (agrees(draws.lamps.empty() || !draws.lamps[0].open ? 0 : full(draws.lamps[0]))) continue;
+    const bool explained = std::any_of(draws.lamps.begin(), draws.lamps.end(), [&](const DrawnLamp& lamp) {
+      const bool rounded = &lamp != &draws.lamps[0] && agrees(lamp.open ? full(lamp) : 0);
+      return rounded || (agrees(lamp.open ? 0 : full(lamp)) &&
+                         scene_.sees_in_double(side, lamp.at - side.point, lamp.limit) == Visibility::uncertain);
+    });
+    result.lamp_explained += explained;
+    if (explained) continue;
     ++result.lamp_unexplained;
     result.excluded = true;
   }

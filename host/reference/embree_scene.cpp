@@ -134,6 +134,7 @@ Hit EmbreeScene::intersect(const Ray& ray, float t_far) const {
 }
 
 bool EmbreeScene::occluded(const Ray& ray, float t_far) const {
+  if (!(t_far > 0)) return false;  // Embree leaves such a ray as it is
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay query;

@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kPointsAlong = 8;        ///< of a surface, along each side
 constexpr double kOwnRounding = 2e-5;  ///< of the device's irradiance, places apart
+constexpr double kLampEdge = 1e-5;     ///< of all chances: sums rounded otherwise may draw the next lamp
 constexpr double kPlaceUlp = 16;       ///< of a hit's place, in roundings of its coordinates
 
 glm::dvec3 xyz(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
@@ -110,42 +111,56 @@ glm::dvec3 point_of(const shared::Lamp& lamp, double v, double w) {
   return xyz(lamp.position) + a * xyz(lamp.across) + b * xyz(lamp.along);
 }
 
+/// By how much roundings may put off the irradiance by a point of a lamp, W m-2, with shapes times pi f.
+double slack_of(const ReferenceScene& scene, const plan::Lamps& lamps, const shared::Lamp& lamp, const glm::dvec3& at,
+                const Sample& side) {
+  const glm::dvec3 way = at - side.point;
+  const double d = std::max(glm::length(way), 1e-9);
+  const double size_m = glm::length(side.point) + glm::length(side.point - start_of(side.ray)) + glm::length(at);
+  const double places = kPlaceUlp * kUlp * size_m / d, shone = flat(lamp) ? 1 : shines(lamps, lamp, -way / d);
+  return static_cast<double>(lamp.position.w) / (d * d) *
+         (shone * (kOwnRounding + 4 * places) +
+          2 * rounding_of(lamps, lamp, -way / d, rounded_angle(lamp, -way / d, places))) *
+         std::max(1.0, spread(scene.compiled, side, way / d));
+}
+
+double limit_of(const shared::Lamp& lamp, const glm::dvec3& way) {
+  return 1 - static_cast<double>(lamp.clear) / glm::length(way);
+}
+
 }  // namespace
 
-DrawnLamp drawn_lamp(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel,
+LampDraws lamp_draws(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel,
                      std::uint32_t number, std::uint32_t source, const Sample& side) {
-  DrawnLamp out;
-  if (side.hit.miss()) return out;
+  const std::size_t first = plan.lamps.first[source], end = plan.lamps.first[source + 1];
   float u = 0, v = 0, w = 0;
   rc_lamp_draws(plan.sky.hash_seed(seed), pixel, source, side.side, number, &u, &v, &w);
+  LampDraws out;
   double all = 0;
-  std::vector<double> chance;
-  for (const shared::Lamp& lamp : plan.lamps.lamp)
-    all += chance.emplace_back(lamp.source == source ? chance_of(plan.lamps, lamp, side) : 0);
-  if (!(all > 0)) return out;
-  const double wanted = static_cast<double>(u) * all;
-  double before = 0;
-  std::size_t drawn = chance.size();
-  for (std::size_t i = 0; i < chance.size() && !(before > wanted); ++i) {
-    if (!(chance[i] > 0)) continue;
-    out.edge = std::min(std::abs(wanted - before), std::abs(before + chance[i] - wanted)) / all;
-    if (before == 0) out.edge = std::abs(before + chance[i] - wanted) / all;  // nothing lies below the first
-    drawn = i, before += chance[i];
+  std::vector<double> upto;  // of the lamps' chances
+  for (std::size_t i = first; i < end; ++i) {
+    const shared::Lamp& lamp = plan.lamps.lamp[i];
+    out.bound += slack_of(scene, plan.lamps, lamp, xyz(lamp.position), side);
+    upto.push_back(all += chance_of(plan.lamps, lamp, side));
   }
-  const shared::Lamp& lamp = plan.lamps.lamp[drawn];
-  out.at = point_of(lamp, static_cast<double>(v), static_cast<double>(w));
-  const double d = glm::length(out.at - side.point), ratio = all / chance[drawn];
-  out.direction = (out.at - side.point) / d;
-  out.irradiance = ratio * irradiance_from(plan.lamps, lamp, out.at, side);
-  const double size_m = glm::length(side.point) + glm::length(side.point - start_of(side.ray)) + glm::length(out.at);
-  const double places = kPlaceUlp * kUlp * size_m / d;
-  const double shone = flat(lamp) ? 1 : shines(plan.lamps, lamp, -out.direction);
-  out.bound = ratio * static_cast<double>(lamp.position.w) / (d * d) *
-              (shone * (kOwnRounding + 4 * places) +
-               2 * rounding_of(plan.lamps, lamp, -out.direction, rounded_angle(lamp, -out.direction, places))) *
-              std::max(1.0, spread(scene.compiled, side, out.direction));
-  out.limit = 1 - static_cast<double>(lamp.clear) / d;
-  out.open = out.irradiance > 0 && scene.sees(side, out.at - side.point, out.limit);
+  if (!(all > 0)) return out;
+  const double wanted = static_cast<double>(u) * all, unsure = kLampEdge * all + out.bound;
+  const auto take = [&](std::size_t i) {
+    const shared::Lamp& lamp = plan.lamps.lamp[first + i];
+    const double chance = upto[i] - (i > 0 ? upto[i - 1] : 0);
+    if (!(chance > 0)) return;
+    DrawnLamp& drawn = out.lamps.emplace_back();
+    drawn.at = point_of(lamp, static_cast<double>(v), static_cast<double>(w));
+    const glm::dvec3 way = drawn.at - side.point;
+    drawn.direction = glm::normalize(way), drawn.limit = limit_of(lamp, way);
+    drawn.irradiance = all / chance * irradiance_from(plan.lamps, lamp, drawn.at, side);
+    drawn.open = drawn.irradiance > 0 && scene.sees(side, way, drawn.limit);
+    out.bound += all / chance * slack_of(scene, plan.lamps, lamp, drawn.at, side);
+  };
+  const auto at = static_cast<std::size_t>(std::upper_bound(upto.begin(), upto.end(), wanted) - upto.begin());
+  take(at);
+  for (std::size_t i = 0; i < upto.size(); ++i)
+    if (i != at && upto[i] > wanted - unsure && (i > 0 ? upto[i - 1] : 0) < wanted + unsure) take(i);
   return out;
 }
 
@@ -155,7 +170,7 @@ std::vector<double> some_lamplight(const ReferenceScene& scene, const plan::Plan
   for (const shared::Lamp& lamp : plan.lamps.lamp) {
     const glm::dvec3 at = point_of(lamp, v, w), way = at - side.point;
     const double irradiance = irradiance_from(plan.lamps, lamp, at, side);
-    if (irradiance > 0 && scene.sees(side, way, 1 - static_cast<double>(lamp.clear) / glm::length(way)))
+    if (irradiance > 0 && scene.sees(side, way, limit_of(lamp, way)))
       out[lamp.source] += irradiance * spread(scene.compiled, side, glm::normalize(way));
   }
   return out;
@@ -168,7 +183,7 @@ std::vector<double> all_lamplight(const ReferenceScene& scene, const plan::Plan&
     for (int i = 0; i < along * along; ++i) {
       const glm::dvec3 at = point_of(lamp, (i % along + 0.5) / along, (i / along + 0.5) / along), way = at - side.point;
       const double irradiance = irradiance_from(plan.lamps, lamp, at, side);
-      if (!(irradiance > 0) || !scene.sees(side, way, 1 - static_cast<double>(lamp.clear) / glm::length(way))) continue;
+      if (!(irradiance > 0) || !scene.sees(side, way, limit_of(lamp, way))) continue;
       out[lamp.source] += irradiance * spread(scene.compiled, side, glm::normalize(way)) / (along * along);
     }
   }

@@ -7,22 +7,25 @@
 
 namespace raycube::reference {
 
-/// The lamp that a side has drawn of a source (kernels/light/lamps.h), in double and by formulas of its own.
+/// A lamp that a side has drawn of a source (kernels/light/lamps.h), in double and by formulas of its own.
 struct DrawnLamp {
   double irradiance = 0;    ///< W m-2 of the source's spectrum if nothing is in the way, over the draw's chance
   glm::dvec3 at{0};         ///< m, scene frame: where on the lamp
   glm::dvec3 direction{0};  ///< unit, to there
   double limit = 1;         ///< of the way to there, where something may hide it
   bool open = true;
-  double bound = 0;  ///< W m-2, by which another computation of the same draw may be off
-  double edge = 1;   ///< how far the draw was from drawing another lamp
 };
 
-/// Closer than this to another lamp, sums rounded otherwise may draw that one.
-inline constexpr double kLampEdge = 1e-5;
+/// What a draw may have said.
+struct LampDraws {
+  /// The lamp that double arithmetic draws; then those that roundings may draw in its place. Empty: no lamp may shine
+  /// there.
+  std::vector<DrawnLamp> lamps;
+  double bound = 0;  ///< W m-2, by which another computation of the same draw may be off
+};
 
 /// number: of the draw (rc_lamp_number).
-DrawnLamp drawn_lamp(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel,
+LampDraws lamp_draws(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel,
                      std::uint32_t number, std::uint32_t source, const Sample& side);
 
 /// Irradiance of every source, with shapes times pi f: of every lamp in sight, surfaces by 64 points each.

@@ -10,6 +10,7 @@
 
 #include "host/base/planck.h"
 #include "host/base/units.h"
+#include "host/plan/quadrature.h"
 #include "host/run/camera_job.h"
 #include "host/render/lidar_owners.h"
 #include "host/render/renderer.h"
@@ -60,14 +61,23 @@ std::vector<std::size_t> ascending_lines(const scene::Lidar& lidar) {
   return order;
 }
 
-}  // namespace
-
+/// Whether any lamp sends light that the receiver's filter lets through: looked for at 33 places of each passband, and
+/// at the nodes of the lamp's spectrum in it.
 bool lamps_send(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+  const double half_um = plan::kGaussianCutFwhm * lidar.receiver.filter_fwhm_um;
+  const auto sends = [&](const scene::LampSpectrum& spectrum, double um) {
+    for (int i = -16; i <= 16; ++i)
+      if (spectrum.at(um + i * half_um / 16) > 0) return true;
+    return std::any_of(spectrum.wavelength_um.begin(), spectrum.wavelength_um.end(),
+                       [&](double node) { return std::abs(node - um) < half_um && spectrum.at(node) > 0; });
+  };
   return std::any_of(simulation.lamps.begin(), simulation.lamps.end(), [&](const scene::Lamp& lamp) {
     return std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(),
-                       [&](const auto& line) { return lamp.spectrum.at(line.wavelength_um) > 0; });
+                       [&](const auto& line) { return sends(lamp.spectrum, line.wavelength_um); });
   });
 }
+
+}  // namespace
 
 bool has_background(const scene::Simulation& simulation, const scene::Lidar& lidar) {
   return lidar.detector.solar_background &&

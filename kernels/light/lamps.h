@@ -1,6 +1,6 @@
 /* Light of lamps on a point of a surface: of each source one lamp is drawn, about as likely as what it sends there
  * unhindered, and one point of it. Lambert's law of distances, E = I cos / d^2; nothing absorbs on the way. Without
- * shadows the estimate of points and spots has no noise. */
+ * shadows the estimate of points and spots on Lambertian surfaces has no noise. */
 #ifndef RAYCUBE_KERNELS_LIGHT_LAMPS_H
 #define RAYCUBE_KERNELS_LIGHT_LAMPS_H
 

@@ -170,9 +170,7 @@ def check_directions(work):
     for name, head in (("new", "IESNA:LM-63-2019"), ("old", "IESNA:LM-63-1995")):
         (work / f"{name}.ies").write_text(text.replace("IESNA91", head).replace("0.5 1.0 50", "0.5 1.1 50"))
     lamp = '{{ name = "k", position_m = [0.4, -0.3, 2.5], ies = "{file}.ies", spectrum = "flat.csv" }}'
-    means = [
-        render(work, "type_" + file, lamps=lamp.format(file=file))[0].mean() for file in ("kind360", "new", "old")
-    ]
+    means = [render(work, "type_" + file, lamps=lamp.format(file=file))[0].mean() for file in ("kind360", "new", "old")]
     check(abs(means[1] / means[0] - 1) < 1e-6 and abs(means[2] / means[0] - 1.1) < 1e-6, means)
 
 

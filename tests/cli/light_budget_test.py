@@ -192,6 +192,9 @@ def check_edges(folder):
     found.is_near(1, "down", "1", floor=1e-12)
     found.is_near(0.25 * 0.3, "up", "1", floor=1e-3)
     check('absorbed,"ground, dry",500nm,' in (folder / "out/patch/budget.csv").read_text())
+    (folder / "out/patch/facets_of_before.ply").write_text("of an earlier run")
+    run("measure", file, "-o", folder / "out", "--overwrite", "-q")
+    check(not (folder / "out/patch/facets_of_before.ply").exists(), "an earlier run's facets")
 
 
 def check_far_mesh(folder):

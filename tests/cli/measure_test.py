@@ -285,6 +285,13 @@ def check_refusals(folder):
     refused("measure", file, "--name", "up", "-o", folder / "bad", status=2, says=("there are: pp, op, all",))
     run("measure", file, "--name", "pp", "-o", folder / "bad")
     refused("measure", file, "--name", "pp", "-o", folder / "bad", status=2, says=("is there already", "--overwrite"))
+    # Another plane under the same name: nothing of the first stays beside it.
+    for views, left in (('views = "orthogonal"', {"brfop", "measure"}), ('views = "hemisphere"', {"measure"})):
+        text = good.replace('name = "pp"\n', f'name = "pp"\n{views}\n')
+        file.write_text(text.replace("zenith_deg = [-75, 75, 25]\n", "") if "hemisphere" in views else text)
+        run("measure", file, "--name", "pp", "-o", folder / "bad", "--overwrite")
+        found = {path.name.replace(".", "_").partition("_")[0] for path in (folder / "bad" / "pp").iterdir()}
+        check(found == left, views, found)
 
 
 def main():
