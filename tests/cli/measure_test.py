@@ -287,7 +287,8 @@ def check_refusals(folder):
     refused("measure", file, "--name", "pp", "-o", folder / "bad", status=2, says=("is there already", "--overwrite"))
     # Another plane under the same name: nothing of the first stays beside it.
     for views, left in (('views = "orthogonal"', {"brfop", "measure"}), ('views = "hemisphere"', {"measure"})):
-        text = good.replace('name = "pp"\n', f'name = "pp"\n{views}\n')
+        quick = "pixels = 1\nsamples = 1\npaths = 1\n" + ("directions = 6\n" if "hemisphere" in views else "")
+        text = good.replace('name = "pp"\n', f'name = "pp"\n{views}\n{quick}')
         file.write_text(text.replace("zenith_deg = [-75, 75, 25]\n", "") if "hemisphere" in views else text)
         run("measure", file, "--name", "pp", "-o", folder / "bad", "--overwrite")
         found = {path.name.replace(".", "_").partition("_")[0] for path in (folder / "bad" / "pp").iterdir()}
