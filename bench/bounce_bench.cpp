@@ -85,11 +85,7 @@ ShadowRays joined(const ShadowRays& first, const ShadowRays& second) {
 /// Ours against double arithmetic where the two differ.
 void judge_closest(const scene::CompiledScene& scene, const ShadowRays& rays, const std::vector<RayResult>& ours,
                    const std::vector<RayResult>& theirs, const std::string& name, Report& report) {
-  std::vector<std::size_t> differ;
-  for (std::size_t i = 0; i < ours.size(); ++i)
-    if (ours[i].instance != theirs[i].instance ||
-        (ours[i].instance != RC_NONE && ours[i].primitive != theirs[i].primitive))
-      differ.push_back(i);
+  const std::vector<std::size_t> differ = which_differ(ours, theirs);
   const reference::DoubleTracer tracer(scene);
   std::size_t wrong = 0;
   for (std::size_t n = 0; n < differ.size(); n += differ.size() / kMostJudged + 1) {

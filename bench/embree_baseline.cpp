@@ -58,6 +58,27 @@ std::array<float, 12> matrix_of(const shared::Instance& instance) {
   return matrix;
 }
 
+/// The rays `first` .. `first + live - 1` as a packet; valid: 0 where there is none, or it is to be skipped.
+void fill_packet(const ShadowRays& rays, std::size_t first, std::size_t live, RTCRay16& packet, int* valid) {
+  const bool own = !rays.dx.empty();
+  for (int k = 0; k < 16; ++k) {
+    const std::size_t i = first + std::min<std::size_t>(k, live - 1);
+    const bool skipped = k >= static_cast<int>(live) || std::isnan(rays.x[i]);
+    packet.org_x[k] = skipped ? 0.0f : rays.x[i];
+    packet.org_y[k] = rays.y[i];
+    packet.org_z[k] = rays.z[i];
+    packet.dir_x[k] = own ? rays.dx[i] : rays.direction[0];
+    packet.dir_y[k] = own ? rays.dy[i] : rays.direction[1];
+    packet.dir_z[k] = own ? rays.dz[i] : rays.direction[2];
+    packet.tnear[k] = 0.0f;
+    packet.tfar[k] = skipped ? kNoRay : kInfinity;
+    packet.time[k] = 0.0f;
+    packet.mask[k] = 0xFFFFFFFFu;
+    packet.flags[k] = 0;
+    valid[k] = skipped ? 0 : -1;
+  }
+}
+
 }  // namespace
 
 const char* form_name(EmbreeForm form) { return form == EmbreeForm::merged ? "merged" : "placed"; }
@@ -274,7 +295,6 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
 void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
   const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
   const std::size_t count = rays.x.size();
-  const bool own = !rays.dx.empty();
   in_parallel(count, 4096, threads, [&](std::size_t begin, std::size_t end) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -284,22 +304,7 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
     alignas(64) int valid[16];
     for (std::size_t first = begin; first < end; first += 16) {
       const std::size_t live = std::min<std::size_t>(16, end - first);
-      for (int k = 0; k < 16; ++k) {
-        const std::size_t i = first + std::min<std::size_t>(k, live - 1);
-        const bool skipped = k >= static_cast<int>(live) || std::isnan(rays.x[i]);
-        packet.org_x[k] = skipped ? 0.0f : rays.x[i];
-        packet.org_y[k] = rays.y[i];
-        packet.org_z[k] = rays.z[i];
-        packet.dir_x[k] = own ? rays.dx[i] : rays.direction[0];
-        packet.dir_y[k] = own ? rays.dy[i] : rays.direction[1];
-        packet.dir_z[k] = own ? rays.dz[i] : rays.direction[2];
-        packet.tnear[k] = 0.0f;
-        packet.tfar[k] = skipped ? kNoRay : kInfinity;
-        packet.time[k] = 0.0f;
-        packet.mask[k] = 0xFFFFFFFFu;
-        packet.flags[k] = 0;
-        valid[k] = skipped ? 0 : -1;
-      }
+      fill_packet(rays, first, live, packet, valid);
       if (mode == EmbreeMode::single) {
         for (std::size_t k = 0; k < live; ++k) {
           if (!valid[k]) {
@@ -330,20 +335,9 @@ void EmbreeBaseline::closest(const ShadowRays& rays, EmbreeMode mode, int thread
     alignas(64) int valid[16];
     for (std::size_t first = begin; first < end; first += 16) {
       const std::size_t live = std::min<std::size_t>(16, end - first);
-      for (int k = 0; k < 16; ++k) {
-        const std::size_t i = first + std::min<std::size_t>(k, live - 1);
-        const bool skipped = k >= static_cast<int>(live) || std::isnan(rays.x[i]);
-        packet.ray.org_x[k] = skipped ? 0.0f : rays.x[i];
-        packet.ray.org_y[k] = rays.y[i], packet.ray.org_z[k] = rays.z[i];
-        packet.ray.dir_x[k] = rays.dx[i], packet.ray.dir_y[k] = rays.dy[i], packet.ray.dir_z[k] = rays.dz[i];
-        packet.ray.tnear[k] = 0.0f;
-        packet.ray.tfar[k] = skipped ? kNoRay : kInfinity;
-        packet.ray.time[k] = 0.0f;
-        packet.ray.mask[k] = 0xFFFFFFFFu;
-        packet.ray.flags[k] = 0;
+      fill_packet(rays, first, live, packet.ray, valid);
+      for (int k = 0; k < 16; ++k)
         packet.hit.geomID[k] = packet.hit.primID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-        valid[k] = skipped ? 0 : -1;
-      }
       if (mode != EmbreeMode::single) rtcIntersect16(valid, scene, &context, &packet);
       for (std::size_t k = 0; k < live; ++k) {
         if (mode == EmbreeMode::single && valid[k]) {

@@ -30,11 +30,16 @@ PrimaryRays primary_rays(const scene::Instrument& instrument, const std::vector<
   return rays;
 }
 
-double differing(const std::vector<RayResult>& a, const std::vector<RayResult>& b) {
-  std::size_t apart = 0;
+std::vector<std::size_t> which_differ(const std::vector<RayResult>& a, const std::vector<RayResult>& b) {
+  std::vector<std::size_t> out;
   for (std::size_t i = 0; i < a.size(); ++i)
-    apart += a[i].instance != b[i].instance || (a[i].instance != RC_NONE && a[i].primitive != b[i].primitive);
-  return static_cast<double>(apart) / static_cast<double>(a.size());
+    if (a[i].instance != b[i].instance || (a[i].instance != RC_NONE && a[i].primitive != b[i].primitive))
+      out.push_back(i);
+  return out;
+}
+
+double differing(const std::vector<RayResult>& a, const std::vector<RayResult>& b) {
+  return static_cast<double>(which_differ(a, b).size()) / static_cast<double>(a.size());
 }
 
 double hit_or_miss(const std::vector<RayResult>& a, const std::vector<RayResult>& b) {
@@ -61,11 +66,7 @@ bool same_place(const scene::CompiledScene& scene, const reference::Ray& ray, co
 
 Judgement judge(const scene::CompiledScene& scene, const PrimaryRays& rays, const std::vector<RayResult>& ours,
                 const std::vector<RayResult>& theirs, std::size_t most) {
-  std::vector<std::size_t> differ;
-  for (std::size_t i = 0; i < ours.size(); ++i)
-    if (ours[i].instance != theirs[i].instance ||
-        (ours[i].instance != RC_NONE && ours[i].primitive != theirs[i].primitive))
-      differ.push_back(i);
+  const std::vector<std::size_t> differ = which_differ(ours, theirs);
   const reference::DoubleTracer tracer(scene);
   Judgement verdict;
   verdict.differ = differ.size();

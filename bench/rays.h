@@ -13,6 +13,8 @@ PrimaryRays primary_rays(const scene::Instrument& instrument, const std::vector<
 
 /// Share of rays whose instance or primitive differ.
 double differing(const std::vector<RayResult>& a, const std::vector<RayResult>& b);
+/// Those rays.
+std::vector<std::size_t> which_differ(const std::vector<RayResult>& a, const std::vector<RayResult>& b);
 /// Share of rays that hit in one and miss in the other.
 double hit_or_miss(const std::vector<RayResult>& a, const std::vector<RayResult>& b);
 

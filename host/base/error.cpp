@@ -1,6 +1,42 @@
 #include "host/base/error.h"
 
+#include <cstdio>
+
 namespace raycube::base {
+
+namespace {
+
+/// Bytes of the UTF-8 character that begins at `at`; 0: none does, or it is no printing one.
+std::size_t printing_bytes(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const unsigned first = byte(at);
+  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
+  const std::size_t bytes = first >= 0xc2 && first < 0xe0   ? 2
+                            : first >= 0xe0 && first < 0xf0 ? 3
+                            : first >= 0xf0 && first < 0xf5 ? 4
+                                                            : 0;
+  for (std::size_t i = 1; i < bytes; ++i)
+    if ((byte(at + i) & 0xc0) != 0x80) return 0;
+  return bytes;
+}
+
+/// Text of a file that need not be text: what does not print as \xNN, so that no byte ends a message or garbles it.
+std::string printing(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    if (const std::size_t bytes = printing_bytes(text, i); bytes > 0) {
+      out.append(text, i, bytes);
+      i += bytes;
+      continue;
+    }
+    char hex[8];
+    std::snprintf(hex, sizeof hex, "\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(text[i++])));
+    out += hex;
+  }
+  return out;
+}
+
+}  // namespace
 
 std::string Where::text() const {
   std::string out = file;
@@ -13,7 +49,7 @@ std::string Where::text() const {
 void Problems::add(const Where& where, const std::string& what, const std::string& found, const std::string& way_out) {
   std::string line = where.text();
   line += (line.empty() ? "" : ": ") + what;
-  if (!found.empty()) line += " (found " + found + ")";
+  if (!found.empty()) line += " (found " + printing(found) + ")";
   if (!way_out.empty()) line += "; " + way_out;
   lines_.push_back(std::move(line));
 }

@@ -3,8 +3,9 @@
 //   ray groups -> trace_primary -> make_surface -> trace_sun -> trace_sky -> shade -> (host bakes missing rows)
 //              -> resolve -> integrate_bands -> strip on the host
 //
-// Light between surfaces (trace_bounce, after trace_sky, where the plan has it) joins in resolve, as rows of the
-// band table for the skeleton's wavelengths; so does light that the air scatters in from the ground around.
+// Light of lamps (trace_lamps, after trace_sky) joins in shade. That between surfaces (trace_bounce, after both, where
+// the plan has it) joins in resolve, as rows of the band table for the skeleton's wavelengths; so does light that the
+// air scatters in from the ground around.
 #pragma once
 
 #include <cstdint>

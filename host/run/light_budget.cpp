@@ -62,7 +62,7 @@ scene::Instrument camera_above(const scene::CompiledScene& scene, const std::vec
 
 /// A band under the sun.
 struct SunlitBand {
-  BandWeight weight;
+  plan::BandQuadrature weight;
   double level_w = 0;  ///< irradiance of level ground, W m-2 um-1
 };
 
@@ -383,7 +383,7 @@ BudgetResult light_budget(const render::RenderOptions& options, scene::Simulatio
     const PhotonLedger ledger = following.batch(batch, in_batch);
     facets.end_batch(source.area_m2() / in_batch);
     for (std::size_t q = 0; q < asked.size(); ++q) {
-      const std::vector<double> values = in_bands(scene.band, asked[q].value(ledger));
+      const std::vector<double> values = plan::in_bands(scene.band, asked[q].value(ledger));
       for (std::size_t b = 0; b < bands.size(); ++b) found[q][b].push_back(values[b] / in_batch);
     }
     step.advance();

@@ -52,16 +52,6 @@ void PhotonLedger::add(const PhotonLedger& other) {
   each(arrived, other.arrived), each(absorbed, other.absorbed), each(down, other.down), each(up, other.up);
 }
 
-std::vector<double> in_bands(const std::vector<BandWeight>& bands, const Spectrum& value) {
-  std::vector<double> out;
-  for (const BandWeight& band : bands) {
-    double sum = 0;
-    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * value[band.first + i];
-    out.push_back(sum);
-  }
-  return out;
-}
-
 PhotonCount::PhotonCount(const PhotonScene& scene, bool facets)
     : ledger(scene), scene_(scene), facets_(facets), level_(scene.levels) {
   for (double& level : level_) level += std::max(kOffLevel_m, kOffLevel * std::abs(level));
@@ -131,7 +121,7 @@ void PhotonCount::meet(const shared::Photon& photon, const Spectrum& carried, bo
     if (material.ground) add_to(ledger.ground, fraction, carried);
     if (material.ground && first) add_to(ledger.ground_first, fraction, carried);
   });
-  if (facets_) deposits.push_back({photon.primitive, in_bands(scene_.band, kept_)});
+  if (facets_) deposits.push_back({photon.primitive, plan::in_bands(scene_.band, kept_)});
 }
 
 void PhotonCount::go_on(const shared::Photon& photon, Spectrum& carried) {

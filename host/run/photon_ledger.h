@@ -7,18 +7,12 @@
 #include <vector>
 
 #include "kernels/shared/structs.h"
+#include "host/plan/quadrature.h"
 #include "scene_compiler/compiled_scene.h"
 
 namespace raycube::run {
 
 using Spectrum = std::vector<double>;  ///< [wavelength]
-
-/// A band's share of each wavelength from the first on, by response and sunlight, summing to 1.
-struct BandWeight {
-  std::size_t first = 0;
-  std::vector<double> weight;
-};
-std::vector<double> in_bands(const std::vector<BandWeight>& bands, const Spectrum& value);
 
 /// What a material does with light that falls onto it.
 struct MaterialLight {
@@ -33,10 +27,10 @@ struct PhotonScene {
   std::size_t wavelengths = 0;
   std::vector<MaterialLight> material;  ///< [material]
   std::size_t named = 0;
-  std::vector<bool> shaped;  ///< [surface]: does not reflect by Lambert's law
-  std::vector<BandWeight> band;
-  std::vector<double> levels;  ///< heights at which light is counted, m; on a surface, that just above it
-  bool repeats = false;        ///< then what leaves through a side is lost
+  std::vector<bool> shaped;                ///< [surface]: does not reflect by Lambert's law
+  std::vector<plan::BandQuadrature> band;  ///< by response and sunlight
+  std::vector<double> levels;              ///< heights at which light is counted, m; on a surface, that just above it
+  bool repeats = false;                    ///< then what leaves through a side is lost
 };
 
 /// Sums over photons, each of them 1 at every wavelength when it starts.

@@ -1,6 +1,6 @@
 /* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample, how far the
  * point was moved, and where some material is shaped the way to the viewer and the surface's shape. Next: trace_sun,
- * trace_sky, shading. */
+ * trace_sky, trace_lamps, trace_bounce, shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"

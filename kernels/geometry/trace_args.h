@@ -1,10 +1,10 @@
 /* How to build and launch the tracing kernels: trace_primary, make_surface, trace_sun, trace_sky and, where light goes
- * on from surface to surface, trace_bounce.
+ * on from surface to surface, trace_bounce; where there are lamps, trace_lamps.
  * What lies where in their buffers: kernels/shared/tile_layout.h.
  *
  * Chain, all in one in-order queue:
  *   trace_primary -> hits -> make_surface -> surface -> trace_sun -> sun
- *                                                   |-> trace_sky -> met sky
+ *                                                   |-> trace_sky -> met sky -> trace_lamps -> met sky
  *                                                   \-> trace_bounce -> glow
  *
  * Build options (one set for all; a -D that is missing here has the default below):
@@ -18,6 +18,7 @@
  *   RC_PIXELS_PER_GROUP pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
  *   RC_SKY_PLANES       planes of met sky, a multiple of 4
  *   RC_COMPONENTS, RC_THERMAL_COMPONENTS  of the sky, the solar ones first; of them the thermal ones, surroundings last
+ *   RC_LAMPS            sources of lamps
  *   RC_STACK            CompiledScene::stack_bound()
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
@@ -52,6 +53,8 @@
  *                  shapes pi f), c the surface's open_share and A_m the sky's map (kernels/light/sky_map.h). A ray
  *                  below the surface's or the scene's horizon brings nothing. Shading adds it to c times the open
  *                  sky's irradiance, which makes the estimate free of bias for any c: with 1 open ground has no noise.
+ *   trace_lamps    each side of a sample's surface draws one lamp of every source (kernels/light/lamps.h) and sends a
+ *                  ray to it. Its planes of met_sky follow the sky's and are written whole, after trace_sky.
  */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
 #define RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H

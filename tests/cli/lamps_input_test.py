@@ -64,6 +64,8 @@ def check_refusals(work):
     ]:
         (work / "bad.ies").write_text(street.replace(old, new, 1))
         refuse(["bad.ies", says], ies='"bad.ies"', power_W=None)
+    (work / "bad.ies").write_bytes(b"TILT=NONE\n\xff\x00\x01 1 2")
+    refuse(["bad.ies", r"(found '\xff\x00\x01'); give a file of IES LM-63"], ies='"bad.ies"', power_W=None)
     (work / "bad.ies").write_text(street[:-60])
     refuse(["bad.ies", "the file ends before candelas"], ies='"bad.ies"', power_W=None)
 
