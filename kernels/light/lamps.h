@@ -9,6 +9,8 @@
 #include "kernels/sampling/sky_rays.h"
 #include "kernels/shared/structs.h"
 
+#define RC_KEPT_CHANCES 64u /* lamps of a source whose chances are not worked out twice */
+
 typedef struct LampTables {
   global const Lamp* lamps;
   global const uint* first; /* of each source, and the end */
@@ -85,13 +87,18 @@ static inline LampDraw rc_draw_lamp(const LampTables* t, uint source, float4 poi
   out.irradiance = out.clear = 0.0f, out.at = out.direction = (float4)(0.0f, 0.0f, 1.0f, 0.0f);
   float all = 0.0f;
   const uint first = t->first[source], end = t->first[source + 1u];
-  for (uint i = first; i < end; ++i) all += rc_lamp_chance(t, t->lamps + i, point, normal);
+  float kept[RC_KEPT_CHANCES];
+  for (uint i = first; i < end; ++i) {
+    const float here = rc_lamp_chance(t, t->lamps + i, point, normal);
+    if (i - first < RC_KEPT_CHANCES) kept[i - first] = here;
+    all += here;
+  }
   if (!(all > 0.0f)) return out;
   const float wanted = u * all;
   float so_far = 0.0f, chance = 0.0f;
   uint drawn = first;
   for (uint i = first; i < end && !(so_far > wanted); ++i) {
-    const float here = rc_lamp_chance(t, t->lamps + i, point, normal);
+    const float here = i - first < RC_KEPT_CHANCES ? kept[i - first] : rc_lamp_chance(t, t->lamps + i, point, normal);
     if (here > 0.0f) drawn = i, chance = here;
     so_far += here;
   }

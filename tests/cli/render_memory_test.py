@@ -2,8 +2,10 @@
 """S62: peak memory of a whole `raycube render` grows neither with the samples of a pixel nor with the lines of the
 image.
 Figure: VmHWM of the process, as run.json states it and as the kernel says it of the finished child. Each scene runs
-twice, the first time to fill PoCL's kernel cache (a compiler in the process costs memory of its own). Bound 4 MiB: of
-some 150 to 290 MiB, what malloc and page cache leave differ by 1.5 MiB from run to run.
+twice, the first time to fill PoCL's kernel cache (a compiler in the process costs memory of its own).
+Bounds. Samples: a bit for each sample more, 8.7 MiB here; nine counts from 16 to 3844 came to between 187.6 and 191.6
+MiB (and once 193.3) without a trend, as each count is a program of its own whose code differs. Lines: 4 MiB, 9 bytes
+for each pixel more; what malloc and page cache leave differs by 1.5 MiB from run to run of one program.
 The PNG quicklook alone keeps up to 2^20 pixels: 18 bytes of sums and counts, 7 while it is written; it is switched off
 where lines are compared, and bounded apart.
 usage: render_memory_test.py RAYCUBE"""
@@ -44,8 +46,9 @@ with tempfile.TemporaryDirectory() as work:
     for memory in ("48M", "2G"):
         few = peak(work, f"samples-16-{memory}", memory, pixels=320, lines=240, grid=4)
         many = peak(work, f"samples-961-{memory}", memory, pixels=320, lines=240, grid=31)
+        bit_a_sample = 320 * 240 * (961 - 16) // 8
         print(f"961 samples against 16: {(many - few) / MIB:+.1f} MiB")
-        check(many < few + BOUND, few, many)
+        check(many < few + bit_a_sample, few, many)
     plain = "png = false\n"
     short = peak(work, "lines-250", "48M", pixels=256, lines=250, grid=4, instrument=plain)
     long = peak(work, "lines-2000", "48M", pixels=256, lines=2000, grid=4, instrument=plain)
