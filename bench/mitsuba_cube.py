@@ -83,8 +83,9 @@ def curve(nodes, values):
     }
 
 
-def mitsuba_scene(mi, scene, variant, chosen, crop=None):
-    """The scene with the light and reflectances of `chosen` bands (rgb, mono) or with whole spectra (spectral)."""
+def mitsuba_scene(mi, scene, variant, chosen, crop=None, bounces=0):
+    """The scene with the light and reflectances of `chosen` bands (rgb, mono) or with whole spectra (spectral); light
+    comes by up to `bounces` surfaces after the first."""
     sun, sky, reflectance = peer_scene.band_means(scene)
     grid = np.arange(385.0, 2470.1, 1.0)
     if variant.endswith("spectral"):
@@ -114,7 +115,8 @@ def mitsuba_scene(mi, scene, variant, chosen, crop=None):
     # settings tried.
     world = {
         "type": "scene",
-        "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
+        "integrator": {"type": "path", "max_depth": bounces + 2} if bounces else
+        {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
         "sensor": {
             "type": "perspective",
             "fov_axis": "x",

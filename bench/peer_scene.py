@@ -307,11 +307,12 @@ def write_bench_scene(folder):
     return write_simulation(make(folder, 256, 240), "peer", "grid = [11, 11]", 16)
 
 
-def write_simulation(scene, name, samples, sky_directions):
-    """The scene as a simulation file; samples like 'jittered = [4, 4]'. Returns its path."""
+def write_simulation(scene, name, samples, sky_directions, bounces=0, tolerance=0.001):
+    """The scene as a simulation file; samples like 'jittered = [4, 4]'; tolerance: with samples and directions given,
+    of the nodes and of the wavelengths along paths. Returns its path."""
     quoted = json.dumps
     text = [
-        f"format = 1\nbounces = 0\nsky_directions = {sky_directions}\ntolerance = 0.001\n[atmosphere]\n"
+        f"format = 1\nbounces = {bounces}\nsky_directions = {sky_directions}\ntolerance = {tolerance}\n[atmosphere]\n"
         f'tables = "sky.rct"\nadjacency = "off"\n'
         f"[time.sun]\nzenith_deg = {SUN_ZENITH_DEG}\nazimuth_deg = {SUN_AZIMUTH_DEG}\n"
     ]

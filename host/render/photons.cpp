@@ -16,7 +16,7 @@ constexpr std::size_t kOfItem = 16;  ///< photons that a work-item takes
 
 std::string program_options(const scene::CompiledScene& scene, const SceneBuffers& buffers) {
   const scene::CameraMatter matter = scene::camera_matter(scene);
-  std::string out = "-cl-std=CL1.2 -DRC_OFFSETS=0 -DRC_STACK=" + std::to_string(scene.stack_bound());
+  std::string out = "-cl-std=CL1.2 -DRC_STACK=" + std::to_string(scene.stack_bound());
   if (matter.shaped) out += " -DRC_SHAPED=1";
   if (matter.through) out += " -DRC_THROUGH=1";
   return out + buffers.options;

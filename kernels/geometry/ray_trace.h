@@ -29,80 +29,108 @@ static inline void rc_take_closest(SceneArrays scene, Hit* hit, uint instance, u
   }
 }
 
-/* Puts the children that a ray meets no farther than `limit` onto the stack, the nearest topmost: above, as bits, where
- * the ray comes to the box, at 0 or beyond; below, the child. As whole numbers they are in the order of that distance.
- * What comes to be hit does not depend on their order; how soon boxes lie beyond it does. */
-RC_ALWAYS static inline uint rc_push_met(global const BvhNode* node, const BoxRay* boxes, float limit, ulong* stack,
-                                         uint top) {
+#define RC_NOTHING (~0ul) /* no child to go on with */
+
+/* Of the children that a ray meets no farther than `limit` the nearest comes back, and goes from node to node without
+ * the stack, whose way through memory each node would wait for; the others go onto the stack, the nearer topmost. Of a
+ * child: above, as bits, where the ray comes to the box, at 0 or beyond; below, the child. As whole numbers they are in
+ * the order of that distance. What comes to be hit does not depend on their order; how soon boxes lie beyond it does.
+ * placed: whether leaves are blocks of triangles, which are on their way here while those before them are looked at. */
+RC_ALWAYS static inline ulong rc_push_met(SceneArrays scene, bool placed, uint index, const BoxRay* boxes, float limit,
+                                          ulong* stack, uint* top) {
+  global const BvhNode* node = rc_node(scene, index);
   float8 enter;
   uint met = rc_boxes_entered(node, boxes, limit, &enter);
   float at[8];
   vstore8(enter, 0, at);
-  for (const uint first = top; met; met &= met - 1u) {
-    const uint slot = rc_lowest(met), child = node->child[slot] | (node->leaf_mask >> slot & 1u ? RC_LEAF : 0u);
-    const ulong entry = (ulong)as_uint(at[slot]) << 32 | child;
-    uint k = top++;
-    for (; k > first && stack[k - 1u] < entry; --k) stack[k] = stack[k - 1u];
-    stack[k] = entry;
+  ulong nearest = RC_NOTHING;
+  for (const uint first = *top; met; met &= met - 1u) {
+    const uint slot = rc_lowest(met), leaf = node->leaf_mask >> slot & 1u, child = node->child[slot];
+    if (placed && leaf) rc_prefetch(rc_block(scene, child), 576u);
+    if (placed && !leaf) rc_prefetch(rc_node(scene, child), 256u);
+    const ulong entry = (ulong)as_uint(at[slot]) << 32 | child | (leaf ? RC_LEAF : 0u), farther = max(entry, nearest);
+    nearest = min(entry, nearest);
+    if (farther == RC_NOTHING) continue;
+    uint k = (*top)++;
+    for (; k > first && stack[k - 1u] < farther; --k) stack[k] = stack[k - 1u];
+    stack[k] = farther;
   }
-  return top;
+  return nearest;
+}
+
+/* The topmost child down to `base` that is no farther than `limit`. */
+RC_ALWAYS static inline ulong rc_pop_near(const ulong* stack, uint* top, uint base, float limit) {
+  while (*top > base) {
+    const ulong next = stack[--*top];
+    if (as_float((uint)(next >> 32)) <= limit) return next;
+  }
+  return RC_NOTHING;
 }
 
 /* A box at the distance of what is hit may hold a hit as near: what the test of boxes rounds, and some. */
 static inline float rc_limit_of(const Hit* hit) { return hit->t * 1.0000008f; }
 
-/* The ray through one placed tree. The stack is used from `base` upwards. */
-static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, ulong* stack, uint base, Hit* hit) {
+/* The ray through one placed tree. The stack is used from `base` upwards. moved: whether the ray may have an offset. */
+RC_ALWAYS static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, bool moved, ulong* stack,
+                                               uint base, Hit* hit) {
   global const Instance* placed = rc_instance(scene, instance);
   Ray ray = world;
   if (!(placed->flags & 1u)) {
     const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
     ray = rc_make_ray(rc_map_point(r0, r1, r2, world.origin), rc_map_vector(r0, r1, r2, world.direction));
-    if (RC_OFFSETS) ray.offset = rc_map_vector(r0, r1, r2, world.offset);
+    if (moved) ray.offset = rc_map_vector(r0, r1, r2, world.offset);
   }
   const BoxRay boxes = rc_box_ray(ray, rc_node(scene, placed->root)->reach, RC_MESH_SLACK);
-  uint top = rc_push_met(rc_node(scene, placed->root), &boxes, rc_limit_of(hit), stack, base);
-  while (top > base) {
-    const ulong next = stack[--top];
-    if (as_float((uint)(next >> 32)) > rc_limit_of(hit)) continue;
+  uint top = base;
+  ulong next = rc_push_met(scene, true, placed->root, &boxes, rc_limit_of(hit), stack, &top);
+  for (;;) {
+    if (next == RC_NOTHING) next = rc_pop_near(stack, &top, base, rc_limit_of(hit));
+    if (next == RC_NOTHING) return;
     const uint child = (uint)next & ~RC_LEAF;
     if (!((uint)next & RC_LEAF)) {
-      top = rc_push_met(rc_node(scene, child), &boxes, rc_limit_of(hit), stack, top);
+      next = rc_push_met(scene, true, child, &boxes, rc_limit_of(hit), stack, &top);
       continue;
     }
+    next = RC_NOTHING;
     float16 t;
-    const uint lanes = rc_hit_block(ray, RC_OFFSETS, rc_block(scene, child), &t);
+    const uint lanes = rc_hit_block(ray, moved, rc_block(scene, child), &t);
     if (lanes) rc_take_closest(scene, hit, instance, child, lanes, t);
   }
 }
 
-/* Not inlined, for compile time; unused where all rays go in bundles. The offset counts where RC_OFFSETS is set. Leaves
- * of the top tree are instances; each is traced to its end before the next. */
-__attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, float4 origin, float4 offset,
-                                                           float4 direction) {
+/* Leaves of the top tree are instances; each is traced to its end before the next. */
+RC_ALWAYS static inline Hit rc_closest(SceneArrays scene, Ray world, bool moved) {
   Hit hit;
   hit.t = INFINITY;
   hit.instance = RC_NONE;
   hit.primitive = RC_NONE;
-  Ray world = rc_make_ray(origin, direction);
-  if (RC_OFFSETS) world.offset = offset;
   const BoxRay boxes = rc_box_ray(world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
   ulong stack[RC_STACK];
-  uint top = rc_push_met(rc_node(scene, 0u), &boxes, rc_limit_of(&hit), stack, 0u);
-  while (top) {
-    const ulong next = stack[--top];
-    if (as_float((uint)(next >> 32)) > rc_limit_of(&hit)) continue;
+  uint top = 0;
+  ulong next = rc_push_met(scene, false, 0u, &boxes, rc_limit_of(&hit), stack, &top);
+  for (;;) {
+    if (next == RC_NOTHING) next = rc_pop_near(stack, &top, 0u, rc_limit_of(&hit));
+    if (next == RC_NOTHING) return hit;
     const uint child = (uint)next & ~RC_LEAF;
-    if ((uint)next & RC_LEAF)
-      rc_trace_instance(scene, child, world, stack, top, &hit);
-    else
-      top = rc_push_met(rc_node(scene, child), &boxes, rc_limit_of(&hit), stack, top);
+    if ((uint)next & RC_LEAF) {
+      rc_trace_instance(scene, child, world, moved, stack, top, &hit);
+      next = RC_NOTHING;
+    } else {
+      next = rc_push_met(scene, false, child, &boxes, rc_limit_of(&hit), stack, &top);
+    }
   }
-  return hit;
 }
 
-static inline Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction) {
-  return rc_trace_from(scene, origin, (float4)(0.0f), direction);
+/* Neither is inlined, for compile time; unused where all rays go in bundles. */
+__attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, float4 origin, float4 offset,
+                                                           float4 direction) {
+  Ray world = rc_make_ray(origin, direction);
+  world.offset = offset;
+  return rc_closest(scene, world, true);
+}
+
+__attribute__((noinline, unused)) static Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction) {
+  return rc_closest(scene, rc_make_ray(origin, direction), false);
 }
 
 #endif

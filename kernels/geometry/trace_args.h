@@ -96,9 +96,5 @@
 #ifndef RC_BUNDLE
 #define RC_BUNDLE 1
 #endif
-/* 1: single rays may start apart from their group's origin. */
-#ifndef RC_OFFSETS
-#define RC_OFFSETS 1
-#endif
 
 #endif

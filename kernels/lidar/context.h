@@ -29,7 +29,6 @@
 #define RC_SUPPORT 4.0f
 #endif
 #define RC_SAMPLE_SPACE global /* all owners share theirs */
-#define RC_OFFSETS 0 /* a shot begins at one place */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/scene_arrays.h"

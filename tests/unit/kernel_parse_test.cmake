@@ -65,8 +65,8 @@ foreach(packed IN ITEMS
     "trace.cl -DRC_LAMPS=2 -DRC_THROUGH=1 -DRC_SKY_PLANES=8"
     "trace.cl -DRC_LAMPS=1 -DRC_BOUNCES=1 -DRC_SKELETON=16 -DRC_MATERIALS=7 -DRC_GLOSSY=1 -DRC_SHAPED=1"
     "rows.cl 0 -DRC_LAMPS=2 -DRC_SKY_PLANES=8 -DRC_BOUNCES=1 -DRC_MATERIALS=7"
-    "trace_photons.cl -DRC_STACK=96 -DRC_OFFSETS=0"
-    "trace_photons.cl -DRC_STACK=96 -DRC_OFFSETS=0 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12"
+    "trace_photons.cl -DRC_STACK=96"
+    "trace_photons.cl -DRC_STACK=96 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12"
     "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1" "lidar_beam.cl
       -DRC_RECEIVER=1"
     "lidar_beam.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_OVERLAP=0" "lidar_air.cl -" "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2
