@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, trace_once, mitsuba, scaling,
-leaf_level, flops, planner, waits)
+"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, trace_once, mitsuba, bounces,
+park_bounced, scaling, leaf_level, flops, planner, waits)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
 PART -->` and `<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it
@@ -188,6 +188,9 @@ def main(parts):
         figures["mitsuba_bounces_agreement_mean_worst"] = data["agreement_mean_worst"]
         texts["bounces"] = (ROOT / "build/bench/mitsuba_bounces.md").read_text()
         renew(ROOT / "README.md", "bounces", readme_bounces(data))
+    if "park_bounced" in parts:
+        figures.update(json.loads((ROOT / "build/bench/park_bounced.json").read_text())["keys"])
+        texts["park_bounced"] = (ROOT / "build/bench/park_bounced.md").read_text()
     if "scaling" in parts:
         figures.update(json.loads((ROOT / "build/bench/scaling.json").read_text())["keys"])
         texts["scaling"] = (ROOT / "build/bench/scaling.md").read_text()

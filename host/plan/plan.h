@@ -49,7 +49,8 @@ struct SkyRays {
     double mean = 0.5;  ///< over pixels
     double on = 0.5;    ///< of surfaces that are met: those count the more the more others they meet
   };
-  int rays = 0;  ///< of a pixel, all samples together; where there are paths, paths_beside() of it; 0: neither
+  int rays = 0;           ///< of a pixel, all samples together; where there are paths, paths_beside() of it; 0: neither
+  int paths_per_two = 1;  ///< paths that go with two rays, by the planner's choice
   double cosine_share = 1;  ///< by the cosine about the normal
   double sun_share = 0;     ///< of the rest, about the sun with this asymmetry; all else evenly
   double asymmetry = 0.5;
@@ -185,9 +186,9 @@ struct Bounces {
   double brightest() const;
 };
 
-/// Paths between surfaces that go with so many rays into the sky: one for every second, rounded up. A path brings less
-/// noise than a ray in most scenes and costs more (docs/light.md has the figures).
-constexpr int paths_beside(int sky_rays) { return (sky_rays + 1) / 2; }
+/// Paths between surfaces that go with so many rays into the sky: `per_two` for every second, rounded up. By itself one
+/// does; where paths bring most of the noise the planner takes more (PixelTrial::choose_paths).
+constexpr int paths_beside(int sky_rays, int per_two = 1) { return (sky_rays * per_two + 1) / 2; }
 
 /// Keys of the skeleton's rows: this and the number of a row, source of lamps * wavelengths + wavelength, sun and sky
 /// before the lamps. Of no product, and of no environment.
@@ -254,7 +255,7 @@ struct Plan {
   bool sends_rays() const { return components() > 0 || bounces.any(); }
   /// Of the band table: the skeleton's wavelengths for sun and sky, and for each source of lamps.
   std::size_t skeleton_rows() const { return bounces.skeleton.size() * static_cast<std::size_t>(1 + lamps.sources()); }
-  int paths() const { return bounces.any() ? paths_beside(sky.rays) : 0; }
+  int paths() const { return bounces.any() ? paths_beside(sky.rays, sky.paths_per_two) : 0; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
   /// Values of a pixel: its bands, then those of each cube of truth.
   std::size_t columns() const { return bands.size() * (1 + truth.size()); }

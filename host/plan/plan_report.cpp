@@ -41,6 +41,7 @@ Json sky_json(const Plan& plan) {
   Json out = {{"components", plan.sky_components},
               {"levels", to_json(plan.report.sky_levels)},
               {"directions", plan.sky.rays},
+              {"paths", plan.paths()},
               {"cosine_share", plan.sky.cosine_share},
               {"sun_share", plan.sky.sun_share},
               {"asymmetry", plan.sky.asymmetry},

@@ -22,6 +22,10 @@ double surfaces_of_path(const plan::Plan& plan) {
 }  // namespace
 
 PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions) {
+  return pixel_counts(plan, samples, directions, plan.sky.paths_per_two);
+}
+
+PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions, int paths_per_two) {
   PixelCounts counts;
   counts.samples = samples;
   counts.sun_rays = plan.sun_up && plan.sun_sources > 0 ? samples : 0;
@@ -35,7 +39,7 @@ PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directio
                  held(plan.height.count) * held(plan.path_x.count) * held(plan.path_y.count) +
                  (plan.environment.empty() ? 0 : 4 * held(plan.height.count) * held(plan.view.count));
   if (plan.bounces.levels > 0) {
-    counts.paths = plan::paths_beside(static_cast<int>(directions));
+    counts.paths = plan::paths_beside(static_cast<int>(directions), paths_per_two);
     counts.path_surfaces = counts.paths * surfaces_of_path(plan);
     counts.skeleton = static_cast<double>(plan.bounces.skeleton.size());
     counts.lamp_rays += counts.path_surfaces * plan.lamps.sources();

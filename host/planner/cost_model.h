@@ -51,7 +51,9 @@ inline constexpr double kDear_s_per_megapixel = 30;
 /// Settings past this are never chosen: a tolerance that needs them is not kept.
 inline constexpr double kMost_s_per_megapixel = 1000;
 
-/// Counts for `samples` a pixel and `directions` towards the sky, with the plan's sources and nodes.
+/// Counts for `samples` a pixel and `directions` towards the sky, with the plan's sources and nodes; paths_per_two: as
+/// SkyRays has it, the plan's where it is not given.
 PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions);
+PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions, int paths_per_two);
 
 }  // namespace raycube::planner

@@ -1,6 +1,7 @@
 #include "host/planner/pixel_trial.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -27,6 +28,10 @@ constexpr double kPartOfRender = 0.07, kLeastTrial_s = 0.15;
 constexpr double kPartOfLook = 0.03;
 constexpr int kUsualSamples = 89, kUsualDirections = 40, kFewestLooks = 192;
 constexpr int kFewestDraws = 64;
+/// Of paths for two rays: the second look's, those that are chosen from, and the gain that is worth another look.
+constexpr int kMorePaths = 4;
+constexpr int kPathsPerTwo[] = {1, 2, 4, kMostPathsPerTwo};
+constexpr double kWorthSharing = 0.9;
 constexpr int kReferences = 4;  ///< renders of each reference that a draw is held against, where that is quick
 
 }  // namespace
@@ -76,7 +81,49 @@ void PixelTrial::make_look(int directions) {
   whole_ = left_out_ <= 0;
   pixels_per_run_ = static_cast<double>(looked_at_) / drawn_from_;
   tiles_ = looked_, pixels_ = looked_at_;
+  look_directions_ = directions;
   look_ = with_cells(sample_pattern(instrument_).look, replicates_on_pixels(look, directions));
+}
+
+int PixelTrial::choose_paths() {
+  if (!plan_.bounces.any() || plan_.components() == 0) return 1;
+  const int rays = look_directions_;
+  const std::uint64_t seed = simulation_.seed + 3 * kOther;
+  const scene::Instrument look = sampled(sample_pattern(instrument_).look);
+  plan_.sky.paths_per_two = kMorePaths;
+  const auto images = render(look, rays, {{seed, 0}, {seed, 2}});
+  const TrialError fewer = look_.sky, more = error_between(images[0], images[1], mean_);
+
+  // Variances of one ray and of one path, band by band: e^2 = sky / rays + path / paths.
+  const auto paths = [&](int per_two) { return static_cast<double>(plan::paths_beside(rays, per_two)); };
+  const std::size_t bands = fewer.bands.estimate.size();
+  std::vector<double> sky(bands), path(bands);
+  for (std::size_t b = 0; b < bands; ++b) {
+    const double e2 = fewer.bands.estimate[b] * fewer.bands.estimate[b],
+                 less = e2 - more.bands.estimate[b] * more.bands.estimate[b];
+    path[b] = std::clamp(less / (1 / paths(1) - 1 / paths(kMorePaths)), 0.0, e2 * paths(1));
+    sky[b] = (e2 - path[b] / paths(1)) * rays;
+  }
+  const auto square = [&](std::size_t b, int per_two) { return sky[b] / rays + path[b] / paths(per_two); };
+  const auto time_for_error = [&](int per_two) {  // by the worst band: time grows as its square error is to fall
+    double worst = 0;
+    for (std::size_t b = 0; b < bands; ++b) worst = std::max(worst, square(b, per_two));
+    const auto cost_s = [&](int directions) {
+      return CostModel().seconds(pixel_counts(plan_, 0, directions, per_two));
+    };
+    return worst * (cost_s(2 * kTriedDirections) - cost_s(kTriedDirections));
+  };
+  int best = kPathsPerTwo[0];
+  for (const int per_two : kPathsPerTwo)
+    if (time_for_error(per_two) < (best == kPathsPerTwo[0] ? kWorthSharing : 1) * time_for_error(best)) best = per_two;
+  plan_.sky.paths_per_two = best;
+  look_.sky.estimate = look_.sky.bound = 0;
+  for (std::size_t b = 0; b < bands; ++b) {
+    const double was = square(b, 1), factor = was > 0 ? std::sqrt(square(b, best) / was) : 1;
+    look_.sky.bands.estimate[b] *= factor, look_.sky.bands.bound[b] *= factor;
+  }
+  look_.sky.estimate = look_.sky.bands.worst_estimate(), look_.sky.bound = look_.sky.bands.worst_bound();
+  return best;
 }
 
 /// By what the look saw of each run's error; all runs where the look has no more than `whole`.

@@ -19,6 +19,8 @@ namespace raycube::planner {
 
 /// Sky directions of the first look; fewer where the file gives fewer. Its samples: SamplePattern::look.
 inline constexpr int kLookDirections = 16;
+/// Paths between surfaces that go with two rays into the sky, at most.
+inline constexpr int kMostPathsPerTwo = 8;
 
 /// Errors of samples and of sky directions, each by itself.
 struct SettingErrors {
@@ -35,6 +37,12 @@ class PixelTrial {
   /// here. All must live as long as the trial.
   PixelTrial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
              const plan::Plan& plan, int look_directions = kLookDirections, TrialProgress progress = {});
+
+  /// How many paths between surfaces go with two rays into the sky, 1, 2, 4 or 8, where both together err least for
+  /// their time: by another look, with the first one's samples and rays and more paths. 1 where light goes no further
+  /// than one surface, or where no more would gain a tenth. What is rendered from then on has as many, and the first
+  /// look's errors are told as if it had. To be called first.
+  int choose_paths();
 
   /// What the first look found of its own setting.
   const SettingErrors& look() const { return look_; }
@@ -85,6 +93,7 @@ class PixelTrial {
   const scene::Simulation& simulation_;
   scene::Instrument instrument_;
   plan::Plan plan_;  ///< with the directions of the last render
+  int look_directions_ = 0;
   std::vector<render::Tile> looked_;
   std::vector<double> look_error_;  ///< mean square that each of its runs was seen to err by
   std::vector<render::Tile> tiles_;

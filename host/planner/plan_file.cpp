@@ -71,7 +71,7 @@ std::string write_plan_file(const PlanFile& file) {
       item["sampler"] = static_cast<int>(entry.sampling.sampler),
       item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
       item["sky_directions"] = entry.sampling.directions, item["replicates"] = entry.sampling.replicates,
-      item["plan"] = entry.axes;
+      item["paths_per_two_directions"] = entry.sampling.paths_per_two, item["plan"] = entry.axes;
     list.push_back(std::move(item));
   }
   return Json{{"raycube_plan", kVersion},
@@ -113,6 +113,10 @@ PlanFile read_plan_file(const std::string& path) {
         entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(),
                           item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>(),
                           item.value("replicates", 1)};
+        entry.sampling.paths_per_two = item.value("paths_per_two_directions", 1);
+        if (entry.sampling.paths_per_two < 1 || entry.sampling.paths_per_two > kMostPathsPerTwo)
+          refuse(path, fmt::format("'{}': paths_per_two_directions {} are not in 1 to {}", entry.name,
+                                   entry.sampling.paths_per_two, kMostPathsPerTwo));
         entry.axes = item.at("plan");
         const auto& s = entry.sampling;
         const bool lattice = s.sampler == scene::SamplerKind::lattice;

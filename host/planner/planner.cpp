@@ -186,7 +186,8 @@ class LevelSearch {
 
   double cost_s(int samples, int directions) const {
     const double given = static_cast<double>(instrument_.samples_u) * instrument_.samples_v;
-    return CostModel().seconds(pixel_counts(plan_, out_.samples_given ? given : samples, directions));
+    return CostModel().seconds(
+        pixel_counts(plan_, out_.samples_given ? given : samples, directions, out_.sampling.paths_per_two));
   }
 
   const ErrorLaw& of_samples() const { return of_samples_; }
@@ -353,6 +354,14 @@ double hold_draw(PixelTrial& trial, LevelSearch& search, const SamplePattern& pa
   }
 }
 
+/// How many paths go with the sky's rays, where both are the planner's.
+void share_paths(Decision& out, PixelTrial& trial) {
+  out.sampling.paths_per_two = trial.choose_paths();
+  if (out.sampling.paths_per_two > 1)
+    out.measured.push_back(fmt::format("{} paths between surfaces for two rays into the sky err least for their time",
+                                       out.sampling.paths_per_two));
+}
+
 /// Settles an image that costs less than a trial by rendering it; false: it is none, or would take more.
 bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulation& simulation,
                const scene::Instrument& instrument, const plan::Plan& plan) {
@@ -380,7 +389,7 @@ bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulatio
 void count_cost(Decision& decision, const plan::Plan& plan) {
   const Sampling& s = decision.sampling;
   PixelCounts& counts = decision.counts;
-  counts = pixel_counts(plan, static_cast<double>(s.samples_u) * s.samples_v, s.directions);
+  counts = pixel_counts(plan, static_cast<double>(s.samples_u) * s.samples_v, s.directions, s.paths_per_two);
   for (double* count : {&counts.samples, &counts.sun_rays, &counts.sky_rays, &counts.lamp_rays, &counts.lamps,
                         &counts.paths, &counts.path_surfaces, &counts.terms})
     *count *= s.replicates;
@@ -420,6 +429,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   if (all_given && !estimate_given) return out;
   if (replicate(out, renderer, simulation, instrument, plan)) return out;
   PixelTrial trial(renderer, simulation, instrument, plan, look_directions(out, simulation), std::move(progress));
+  if (!out.directions_given) share_paths(out, trial);
   LevelSearch search(trial, simulation, instrument, plan, out);
   if (measuring_pays(out, search, plan, all_given)) measure_plan(out, simulation, instrument, plan, table, threads);
   Choice choice = search.settle();
@@ -456,6 +466,7 @@ void apply(const Decision& decision, scene::Instrument& instrument, plan::Plan& 
   instrument.replicates = decision.sampling.replicates;
   instrument.small_objects = decision.small.on ? scene::SmallObjects::on : scene::SmallObjects::off;
   if (plan.sends_rays()) plan.sky.rays = decision.sampling.directions;
+  plan.sky.paths_per_two = decision.sampling.paths_per_two;
 }
 
 }  // namespace raycube::planner

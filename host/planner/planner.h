@@ -43,6 +43,7 @@ struct Sampling {
   int samples_u = 1, samples_v = 1, directions = 1;  ///< of each replicate
   int replicates = 1;
   int first_samples = 0;  ///< of adaptive samples, as the file has them; errors are judged without
+  int paths_per_two = 1;  ///< paths between surfaces that go with two directions
 };
 
 struct Decision {

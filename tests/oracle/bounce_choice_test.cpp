@@ -10,6 +10,7 @@
 #include "host/planner/bounce_choice.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/open_share.h"
+#include "host/planner/pixel_trial.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
 
@@ -155,4 +156,40 @@ TEST_CASE("the cost model counts the surfaces that a path comes to") {
   const double each = 0.5 + 0.25 + 0.25 * 0.729 * 0.5 / (1 - 0.9 * 0.5);
   CHECK(counts.path_surfaces / counts.paths == doctest::Approx(each).epsilon(2 * kNoise / 0.5));
   CHECK(counts.rays() == counts.samples + counts.sun_rays + counts.sky_rays + counts.paths + 2 * counts.path_surfaces);
+}
+
+TEST_CASE("as many paths go with the sky's rays as err least for their time") {
+  // Of grey matter paths carry most of the noise; of dark matter, whose sky is hidden as much, hardly any.
+  for (const auto& [reflectance, several] : {std::pair{0.9, true}, {0.02, false}}) {
+    CAPTURE(reflectance);
+    auto s = corner(true, reflectance, 1e-4);
+    s.bounces_given = true, s.bounces = 8;
+    Chosen chosen = choose(s);
+    render::Renderer renderer(s.scene, {});
+    planner::PixelTrial trial(renderer, s, s.instruments[0], chosen.plan);
+    const double look_error = trial.look().sky.estimate;
+    const int per_two = trial.choose_paths();
+    CHECK((per_two > 1) == several);
+    if (per_two == 1) {
+      CHECK(trial.look().sky.estimate == doctest::Approx(look_error));
+      continue;
+    }
+    // Each number by itself: half the mean square of what two draws of rays differ by, times what a pixel takes.
+    std::vector<double> square_time;
+    double chosen_error = 0, chosen_square_time = 0;
+    for (const int tried : {1, 2, 4, 8}) {
+      chosen.plan.sky.paths_per_two = tried;
+      planner::PixelTrial one(renderer, s, s.instruments[0], chosen.plan);
+      const double error = one.look().sky.estimate;
+      const auto cost_s = [&](int rays) {
+        return planner::CostModel().seconds(planner::pixel_counts(chosen.plan, 0, rays));
+      };
+      square_time.push_back(error * error * (cost_s(64) - cost_s(32)));
+      if (tried == per_two) chosen_error = error, chosen_square_time = square_time.back();
+    }
+    CHECK(chosen_square_time < 0.9 * square_time[0]);
+    CHECK(chosen_square_time < 1.15 * *std::min_element(square_time.begin(), square_time.end()));
+    // 576 pixels, two pairs of draws: the square of an error is known to 4 % and as much again by the look.
+    CHECK(trial.look().sky.estimate == doctest::Approx(chosen_error).epsilon(0.15));
+  }
 }
