@@ -145,8 +145,8 @@ def markdown(data):
     for side, points in data["points"].items():
         for p in points:
             lines.append(
-                f"| {names[side]} | {p['tolerance']:.1%} | {p['samples']}, {p['sky']}, {p['paths']} | {p['achieved']:.2%} | "
-                f"{p['seconds']:.2f} |"
+                f"| {names[side]} | {p['tolerance']:.1%} | {p['samples']}, {p['sky']}, {p['paths']} | "
+                f"{p['achieved']:.2%} | {p['seconds']:.2f} |"
             )
     low, high = data["equal_range"]
     lines += [
