@@ -153,8 +153,9 @@ def markdown(data):
         "",
         f"`park_bounced_vs_direct_time` = {keys['park_bounced_vs_direct_time']:.2f} (at most 3): "
         f"{keys['park_bounced_s']:.2f} s over {keys['park_direct_s']:.2f} s at 3 % achieved. At equal samples "
-        f"{keys['park_bounced_vs_direct_time_equal_samples']:.2f} [{low:.2f} .. {high:.2f}], {data['pairs']} pairs. "
-        f"Achieved errors are known to {max(data['known'].values()):.2%}.",
+        f"{keys['park_bounced_vs_direct_time_equal_samples']:.2f} [{low:.2f} .. {high:.2f}], "
+        f"{data['pairs']} pair{'s' * (data['pairs'] > 1)}. "
+        f"The references err by {max(data['known'].values()):.2%} themselves, which is taken off.",
         "",
     ]
     return "\n".join(lines)
