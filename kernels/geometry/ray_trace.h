@@ -99,24 +99,23 @@ RC_ALWAYS static inline void rc_trace_instance(SceneArrays scene, uint instance,
 }
 
 /* Leaves of the top tree are instances; each is traced to its end before the next. */
-RC_ALWAYS static inline Hit rc_closest(SceneArrays scene, Ray world, bool moved) {
-  Hit hit;
-  hit.t = INFINITY;
-  hit.instance = RC_NONE;
-  hit.primitive = RC_NONE;
+RC_ALWAYS static inline void rc_closest(SceneArrays scene, Ray world, bool moved, Hit* hit) {
+  hit->t = INFINITY;
+  hit->instance = RC_NONE;
+  hit->primitive = RC_NONE;
   const BoxRay boxes = rc_box_ray(world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
   ulong stack[RC_STACK];
   uint top = 0;
-  ulong next = rc_push_met(scene, false, 0u, &boxes, rc_limit_of(&hit), stack, &top);
+  ulong next = rc_push_met(scene, false, 0u, &boxes, rc_limit_of(hit), stack, &top);
   for (;;) {
-    if (next == RC_NOTHING) next = rc_pop_near(stack, &top, 0u, rc_limit_of(&hit));
-    if (next == RC_NOTHING) return hit;
+    if (next == RC_NOTHING) next = rc_pop_near(stack, &top, 0u, rc_limit_of(hit));
+    if (next == RC_NOTHING) return;
     const uint child = (uint)next & ~RC_LEAF;
     if ((uint)next & RC_LEAF) {
-      rc_trace_instance(scene, child, world, moved, stack, top, &hit);
+      rc_trace_instance(scene, child, world, moved, stack, top, hit);
       next = RC_NOTHING;
     } else {
-      next = rc_push_met(scene, false, child, &boxes, rc_limit_of(&hit), stack, &top);
+      next = rc_push_met(scene, false, child, &boxes, rc_limit_of(hit), stack, &top);
     }
   }
 }
@@ -126,11 +125,15 @@ __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, fl
                                                            float4 direction) {
   Ray world = rc_make_ray(origin, direction);
   world.offset = offset;
-  return rc_closest(scene, world, true);
+  Hit hit;
+  rc_closest(scene, world, true, &hit);
+  return hit;
 }
 
 __attribute__((noinline, unused)) static Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction) {
-  return rc_closest(scene, rc_make_ray(origin, direction), false);
+  Hit hit;
+  rc_closest(scene, rc_make_ray(origin, direction), false, &hit);
+  return hit;
 }
 
 #endif
