@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
-#include <set>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -48,46 +47,12 @@ bool present(const std::string& path) {
   return ::lstat(path.c_str(), &status) == 0;
 }
 
-/// Folders that this process made for its outputs and may take back.
-struct MadeFolders {
-  std::mutex access;
-  std::set<fs::path> made;
-};
-MadeFolders& made_folders() {
-  static MadeFolders all;
-  return all;
-}
-
-/// The same however it is written.
-fs::path plain(const fs::path& folder) {
-  const fs::path path = fs::absolute(folder).lexically_normal();
-  return path.has_filename() ? path : path.parent_path();
-}
-
 /// Makes the folder and its parents.
 void make_folder(const fs::path& folder) {
   std::error_code code;
-  std::vector<fs::path> missing;
-  for (fs::path path = plain(folder); path.has_relative_path() && !fs::exists(path, code); path = path.parent_path())
-    missing.push_back(path);
-  {
-    MadeFolders& all = made_folders();
-    const std::lock_guard lock(all.access);
-    all.made.insert(missing.begin(), missing.end());
-  }
   fs::create_directories(folder, code);
   if (code) throw failed(folder.string(), "the folder cannot be made", code.value());
   if (!fs::is_directory(folder, code)) throw failed(folder.string(), "is not a folder", ENOTDIR);
-}
-
-/// Takes back what of the folder and its parents this process made, as far up as it is empty.
-void unmake_folder(const fs::path& folder) {
-  MadeFolders& all = made_folders();
-  const std::lock_guard lock(all.access);
-  for (fs::path path = plain(folder); all.made.count(path) > 0; path = path.parent_path()) {
-    if (::rmdir(path.c_str()) != 0) return;
-    all.made.erase(path);
-  }
 }
 
 /// Place of the six characters that mkostemp() put at the end of `.NAME.raycube-XXXXXX`; npos: no such name.
@@ -164,7 +129,6 @@ struct OutputFile::State {
   ~State() {
     if (!published && !temporary_path.empty()) ::unlink(temporary_path.c_str());
     if (fd >= 0) ::close(fd);
-    if (!published) unmake_folder(folder);
   }
 };
 
@@ -326,7 +290,6 @@ OutputSet::OutputSet(const std::string& folder, IfExists if_exists) : folder_(fo
 OutputSet::~OutputSet() {
   files_.clear();
   if (lock_ >= 0) ::close(lock_);
-  unmake_folder(folder_);
 }
 
 OutputFile& OutputSet::add(const std::string& name) {

@@ -1,6 +1,6 @@
 // Files that appear under their final name only when they are whole. A run that ends early, by error or by
-// signal, leaves nothing there, no folder either that it made; one that is killed leaves at most hidden temporaries,
-// which the next run that writes into the folder removes.
+// signal, leaves nothing there; one that is killed leaves at most hidden temporaries, which the next run that
+// writes into the folder removes.
 #pragma once
 
 #include <cstddef>

@@ -265,36 +265,6 @@ TEST_CASE("Ctrl-C: the first stops the run at its next safe point, nothing is le
   CHECK(folder.names().empty());
 }
 
-TEST_CASE("a run that ends early takes back the folders that it made, and no others") {
-  const Folder folder;
-  const std::string out = (folder.path / "out").string();
-  {
-    OutputSet one(out + "/one"), two(out + "/deep/two/");
-    one.add("a").append("half");
-    two.add("b");
-  }
-  CHECK(folder.names().empty());
-  {
-    const OutputFile file(out + "/of/a/file");
-    CHECK(fs::is_directory(out + "/of/a"));
-  }
-  CHECK(folder.names().empty());
-  {  // what is whole stays, beside what is not
-    OutputSet one(out + "/one"), two(out + "/two");
-    one.add("a").append("whole");
-    two.add("b").append("half");
-    one.publish();
-  }
-  CHECK(content(out + "/one/a") == "whole");
-  CHECK_FALSE(fs::exists(out + "/two"));
-  fs::create_directories(out + "/users");
-  {
-    OutputSet set(out + "/users");
-    set.add("a");
-  }
-  CHECK(fs::is_directory(out + "/users"));
-}
-
 TEST_CASE("Ctrl-C twice: leaves at once and still removes the temporaries") {
   const Folder folder;
   const int status = in_child([&] {
