@@ -7,7 +7,7 @@ their own hash, of the difference from a converged render of the same light (two
 over the band's mean, of the worst band; the reference's own error is taken off. Time: run.json's stages and writing
 (no load, air or plan), the median of the pairs, at 3 % achieved by a straight line in the logarithms of both. At equal
 samples: both with the samples and rays into the sky that the bounced side's plan chose at 3 %.
-Writes build/bench/park_bounced.json and .md. `ci/bench park_bounced`; 15 minutes.
+Writes build/bench/park_bounced.json and .md. `ci/bench park_bounced`; 30 minutes.
 """
 
 import argparse
