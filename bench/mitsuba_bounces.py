@@ -154,6 +154,8 @@ def measure():
                 point["error"] = worst_error(np.load(WORK / f"{variant}_{point['spp']}.npy"), theirs)
                 data["mitsuba"].append(point)
                 print("mitsuba", point, flush=True)
+    data["skeleton"] = max(p["skeleton"] for p in data["raycube"])
+    data["product_and_writing_s"] = product_and_writing_s(data["skeleton"])
     return data
 
 
@@ -175,8 +177,6 @@ def fewer_renders(points, wavelengths, after_s):
 def compare(data):
     """Against the fastest variant and against the script, which takes the variant fastest for it: medians over the
     errors."""
-    data["skeleton"] = max(p["skeleton"] for p in data["raycube"])
-    data["product_and_writing_s"] = product_and_writing_s(data["skeleton"])
     after_s = data["product_and_writing_s"]
     forms = {
         "bounced_cube_vs_mitsuba3_equal_error": lambda points: points,
@@ -234,21 +234,15 @@ def draw(data):
         curves[f"Mitsuba 3.9.1 {variant}, path, 360 bands"] = points
         if variant == data["bounced_cube_vs_clever_equal_error_variant"]:
             for count in (data["skeleton"], FEW_WAVELENGTHS):
-                curves[f"the same, {count} wavelengths times raycube's matrix"] = fewer_renders(
+                curves[f"{variant}, {count} wavelengths times raycube's matrix"] = fewer_renders(
                     points, count, data["product_and_writing_s"]
                 )
     for label, points in curves.items():
         mark = "o-" if label.startswith("raycube") else "s--"
         axis.loglog([p["seconds"] for p in points], [100 * p["error"] for p in points], mark, ms=4, label=label,
                     color="black" if label.startswith("raycube") else None)
-    facts = data["scene"]
-    axis.set(
-        xlabel="seconds for 360 bands, 2 threads",
-        ylabel="rms error of the worst of nine bands, % of its mean",
-        title=f"{facts['pixels']} x {facts['pixels']} pixels, {facts['triangles_placed'] / 1e6:.0f} M placed "
-        f"triangles, light by up to {BOUNCES} surfaces more",
-    )
-    axis.grid(True, which="major", alpha=0.4)
+    light = f"light by up to {BOUNCES} surfaces more"
+    mitsuba_report.name_axes(axis, data["scene"], "the worst of nine bands", light)
     axis.set_ylim(0.8, 60)  # room for the legend above the curves
     axis.legend(fontsize=8, loc="upper right")
     figure.tight_layout()

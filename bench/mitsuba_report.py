@@ -83,6 +83,17 @@ def what_an_expert_would_use(data):
     )
 
 
+def name_axes(axis, facts, error, light):
+    """Of a chart of error against time; light: by which the scene is seen."""
+    axis.set(
+        xlabel="seconds for 360 bands, 2 threads",
+        ylabel=f"rms error of {error}, % of its mean",
+        title=f"{facts['pixels']} x {facts['pixels']} pixels, {facts['triangles_placed'] / 1e6:.0f} M placed "
+        f"triangles, {light}",
+    )
+    axis.grid(True, which="major", alpha=0.4)
+
+
 def draw_errors(data):
     """Error against time of both programs, every setting that was timed."""
     figure, axis = plt.subplots(figsize=(8.5, 5.6))
@@ -121,14 +132,7 @@ def draw_errors(data):
             xytext=(5, 2),
             fontsize=7,
         )
-    facts = data["scene"]
-    axis.set(
-        xlabel="seconds for 360 bands, 2 threads",
-        ylabel="rms error of the median band, % of its mean",
-        title=f"{facts['pixels']} x {facts['pixels']} pixels, {facts['triangles_placed'] / 1e6:.0f} M placed "
-        f"triangles, sun and even sky, direct light",
-    )
-    axis.grid(True, which="major", alpha=0.4)
+    name_axes(axis, data["scene"], "the median band", "sun and even sky, direct light")
     axis.set_ylim(0.5, 3e4)  # room for the legend above the curves
     axis.legend(fontsize=7.5, loc="upper right")
     figure.text(

@@ -53,7 +53,6 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
     log = std::make_unique<base::Log>(base::LogOptions{values.verbose - values.quiet, values.log_file});
     std::string command_line;
     for (int i = 0; i < argc; ++i) command_line += (i ? " " : "") + std::string(argv[i]);
-    base::install_signal_handlers();
     cl::set_cache_notices([&log = *log](base::Level level, const std::string& text) { log.message(level, text); });
     const base::Doing doing("command", command_line);
     cli::Invocation invocation{values, *log, std::cout, command_line};
@@ -70,6 +69,7 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
 int main(int argc, char** argv) {
   raycube::base::claim_standard_descriptors();
   raycube::base::install_crash_report();
+  raycube::base::install_signal_handlers();
   std::unique_ptr<raycube::base::Log> log;
   // A fixed threshold: what is large goes back to the system when it is freed, so that peak memory does not depend on
   // when. What is not, is kept: fresh pages for every small matrix of a plan took a tenth of its time.

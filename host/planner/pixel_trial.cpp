@@ -90,9 +90,12 @@ int PixelTrial::choose_paths() {
   const int rays = look_directions_;
   const std::uint64_t seed = simulation_.seed + 3 * kOther;
   const scene::Instrument look = sampled(sample_pattern(instrument_).look);
-  plan_.sky.paths_per_two = kMorePaths;
-  const auto images = render(look, rays, {{seed, 0}, {seed, 2}});
-  const TrialError fewer = look_.sky, more = error_between(images[0], images[1], mean_);
+  const auto pair_error = [&](int per_two) {  // of the look's first samples, under the same two draws
+    plan_.sky.paths_per_two = per_two;
+    const auto images = render(look, rays, {{seed, 0}, {seed, 2}});
+    return error_between(images[0], images[1], mean_);
+  };
+  const TrialError &fewer = look_pair_, more = pair_error(kMorePaths);
 
   // Variances of one ray and of one path, band by band: e^2 = sky / rays + path / paths.
   const auto paths = [&](int per_two) { return static_cast<double>(plan::paths_beside(rays, per_two)); };
@@ -116,13 +119,9 @@ int PixelTrial::choose_paths() {
   int best = kPathsPerTwo[0];
   for (const int per_two : kPathsPerTwo)
     if (time_for_error(per_two) < (best == kPathsPerTwo[0] ? kWorthSharing : 1) * time_for_error(best)) best = per_two;
+  // What was found of a setting counts as measured: that of one that was not rendered is rendered now.
+  if (best > 1) look_.sky = best == kMorePaths ? more : pair_error(best);
   plan_.sky.paths_per_two = best;
-  look_.sky.estimate = look_.sky.bound = 0;
-  for (std::size_t b = 0; b < bands; ++b) {
-    const double was = square(b, 1), factor = was > 0 ? std::sqrt(square(b, best) / was) : 1;
-    look_.sky.bands.estimate[b] *= factor, look_.sky.bands.bound[b] *= factor;
-  }
-  look_.sky.estimate = look_.sky.bands.worst_estimate(), look_.sky.bound = look_.sky.bands.worst_bound();
   return best;
 }
 
@@ -174,7 +173,10 @@ SettingErrors PixelTrial::replicates_on_pixels(const scene::Instrument& sampled,
   const auto images = sky ? render(sampled, directions, {{seed, 0}, {other, 1}, {seed, 2}, {other, 3}})
                           : render(sampled, directions, {{seed, 0}, {other, 1}});
   if (mean_.empty()) mean_ = judged_means(images[0]);
-  if (look_error_.empty()) look_error_ = run_differences(images[0], images[1], mean_);
+  if (look_error_.empty()) {
+    look_error_ = run_differences(images[0], images[1], mean_);
+    if (sky) look_pair_ = error_between(images[0], images[2], mean_);
+  }
   if (!sky) return {error_between(images[0], images[1], mean_), {0, 0, {{0}, {0}}}};
   return {common_spread(images[0], images[2], images[1], images[3], mean_),
           error_between_pairs(images[0], images[2], images[1], images[3], mean_)};

@@ -41,7 +41,7 @@ class PixelTrial {
   /// How many paths between surfaces go with two rays into the sky, 1, 2, 4 or 8, where both together err least for
   /// their time: by another look, with the first one's samples and rays and more paths. 1 where light goes no further
   /// than one surface, or where no more would gain a tenth. What is rendered from then on has as many, and the first
-  /// look's errors are told as if it had. To be called first.
+  /// look's error of the sky is measured anew with them. To be called first.
   int choose_paths();
 
   /// What the first look found of its own setting.
@@ -102,6 +102,7 @@ class PixelTrial {
   bool whole_ = false;  ///< every pixel is tried
   std::size_t pixels_ = 0, looked_at_ = 0;
   SettingErrors look_;
+  TrialError look_pair_;  ///< of the look's sky, by its first two draws alone
   TrialImage one_, two_;
   std::vector<double> mean_;
   std::uint64_t rays_ = 0;

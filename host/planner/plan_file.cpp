@@ -19,7 +19,7 @@ namespace raycube::planner {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kVersion = 2;
+constexpr int kVersion = 3, kFirstVersion = 2;  ///< what is written; what is read too: one path for two directions
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw base::Error(base::Fault::input, path + ": " + what + "; make the plan anew: raycube plan SIM -o " + path);
@@ -92,7 +92,7 @@ PlanFile read_plan_file(const std::string& path) {
   PlanFile file;
   try {
     const Json root = Json::parse(base::shallow_json(in));
-    if (root.at("raycube_plan").get<int>() != kVersion)
+    if (const int version = root.at("raycube_plan").get<int>(); version < kFirstVersion || version > kVersion)
       refuse(path, fmt::format("version {} of the plan's format, this program reads {}",
                                root.at("raycube_plan").get<int>(), kVersion));
     file.simulation_file = root.at("simulation").get<std::string>();
@@ -186,6 +186,10 @@ void require_applicable(const PlanFile::Entry& entry, const scene::Simulation& s
   if (simulation.sky_directions_given && plan.sends_rays() && simulation.sky_directions != s.directions)
     conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
              std::to_string(s.directions) + " sky directions");
+  if (simulation.sky_directions_given && plan.bounces.any() && s.paths_per_two != 1)
+    conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
+             fmt::format("{} paths between surfaces for two sky directions, where directions of the file have one",
+                         s.paths_per_two));
 }
 
 /// What the plan's trial found, for the scene that it was made for.

@@ -25,7 +25,7 @@ with tempfile.TemporaryDirectory() as name:
     # Stopped in the middle, by Ctrl-C and by a signal no program can see: no table, no cached file, and the next run
     # works.
     for how, status in ((signal.SIGINT, 130), (signal.SIGKILL, -9)):
-        started = program.start(
+        started = program.start_listening(
             "atmos",
             "build",
             "--model",

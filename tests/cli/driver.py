@@ -3,7 +3,9 @@
 import json
 import os
 import pathlib
+import signal
 import subprocess
+import time
 
 import numpy
 
@@ -72,6 +74,18 @@ class Program:
             text=True,
             env={**os.environ, **(env or {})},
         )
+
+    def start_listening(self, *arguments, env=None):
+        """Started, and so far that SIGINT reaches the program's own handler: a signal that comes while its libraries
+        are still loaded ends it as any program."""
+        process = self.start(*arguments, env=env)
+        while process.poll() is None:
+            with open(f"/proc/{process.pid}/status") as file:
+                caught = next((line.split()[1] for line in file if line.startswith("SigCgt")), "0")
+            if int(caught, 16) >> (signal.SIGINT - 1) & 1:
+                break
+            time.sleep(0.005)
+        return process
 
     def check(self, condition, *what):
         self.checks += 1

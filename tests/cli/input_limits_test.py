@@ -193,8 +193,8 @@ with tempfile.TemporaryDirectory() as work:
     check("100000 x 100000 pixels" in done.stdout, done.stdout)
     print(f"input limits: 1e10 pixels planned in {time.monotonic() - start:.1f} s")
     # Ctrl-C at any time of it.
-    for wait in (0.2, 0.7, 1.5, 3):
-        process = program.start("render", huge, "--dry-run")
+    for wait in (0, 0.2, 0.7, 1.5, 3):
+        process = program.start_listening("render", huge, "--dry-run")
         time.sleep(wait)
         if process.poll() is not None:
             process.communicate()

@@ -178,6 +178,17 @@ TEST_CASE("a set that replaces another leaves nothing of it beside its own, and 
   fs::remove(outside);
 }
 
+TEST_CASE("places that are no names of files are refused") {
+  const Folder folder;
+  for (const std::string place : {"", ".", "..", "/.", "/..", "/"}) {
+    CAPTURE(place);
+    const Error error = error_of([&] { OutputFile(place.starts_with("/") ? folder.path.string() + place : place); });
+    CHECK(error.fault() == Fault::input);
+    CHECK(std::string(error.what()).find("is not a file name") != std::string::npos);
+  }
+  CHECK(folder.names().empty());
+}
+
 TEST_CASE("unwritable places: one error with the path and the way out") {
   for (const std::string path : {"/proc/raycube/a", "/dev/null/a"}) {
     const Error error = error_of([&] { OutputFile file(path); });
