@@ -12,8 +12,10 @@
 #include "host/base/input_file.h"
 #include "host/base/output_file.h"
 #include "host/base/sha256.h"
+#include "kernels/shared/product_key.h"
 #include "scene_compiler/shape_list.h"
 #include "scene_compiler/skyline.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::scene {
 namespace {
@@ -150,7 +152,7 @@ void archive_pulse_matter(Archive& ar, Scene& scene) {
     auto gloss = material.gloss.parameter;
     for (auto& value : gloss) ar(value);
     if constexpr (!std::is_const_v<Scene>)
-      if (gloss[1] > 0) material.gloss = {RC_SHAPE_gloss, gloss};
+      if (gloss[0] > 0) material.gloss = {RC_SHAPE_gloss, gloss};
   }
   for (auto& volume : scene.volumes) {
     ar(volume.shape);
@@ -199,6 +201,53 @@ void archive_families(Archive& ar, Scene& scene) {
   }
 }
 
+/// Shapes that change with wavelength.
+template <class Archive, class Scene>
+void archive_nodes(Archive& ar, Scene& scene) {
+  for (auto& material : scene.materials) {
+    for (const bool gloss : {false, true}) {
+      auto& nodes = gloss ? material.gloss_nodes : material.front_nodes;
+      const auto& first = gloss ? material.gloss : material.front;
+      auto count = static_cast<std::uint32_t>(nodes.size());
+      ar(count);
+      if constexpr (!std::is_const_v<Scene>) {
+        if (count > RC_MOST_NODES) ar.damaged("has a shape at too many wavelengths");
+        nodes.assign(count, {0, first});
+      }
+      for (auto& node : nodes) {
+        ar(node.wavelength_um);
+        for (auto& value : node.shape.parameter) ar(value);
+      }
+    }
+    for (auto* curve : {&material.index_n, &material.index_k}) {
+      ar(curve->wavelength_um);
+      ar(curve->value);
+    }
+    if constexpr (!std::is_const_v<Scene>) {
+      if (material.index_n.value.size() != material.index_n.wavelength_um.size() ||
+          material.index_k.value.size() != material.index_n.value.size())
+        ar.damaged("has a refractive index whose arrays do not fit");
+      const auto behind = [](const ShapeNode& a, const ShapeNode& b) { return !(a.wavelength_um < b.wavelength_um); };
+      const bool by_values = shape_entry(material.front.number).curve_parameter >= 0;
+      if (by_values && material.front_nodes.empty() && !material.reflectance.value.empty())
+        ar.damaged("has a shape without the values of its curve");
+      if (material.gloss.number == RC_SHAPE_none && !(material.gloss_nodes.empty() && material.index_n.value.empty()))
+        ar.damaged("has wavelengths or an index of a gloss that it does not have");
+      for (const auto* nodes : {&material.front_nodes, &material.gloss_nodes})
+        if (!(by_values && nodes == &material.front_nodes) &&
+            std::adjacent_find(nodes->begin(), nodes->end(), behind) != nodes->end())
+          ar.damaged("has a shape whose wavelengths do not ascend");
+      make_lobes(material);
+    }
+  }
+}
+
+bool has_nodes(const CompiledScene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
+    return !material.front_nodes.empty() || !material.gloss_nodes.empty() || !material.index_n.value.empty();
+  });
+}
+
 bool has_families(const CompiledScene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
                      [](const Material& material) { return material.in_family != 0; });
@@ -239,6 +288,7 @@ void write_payload(const CompiledScene& scene, Add add) {
   Writer<Add> writer(add);
   archive_shapes(writer, scene);
   archive_families(writer, scene);
+  archive_nodes(writer, scene);
   for (const auto& material : scene.materials) writer(material.source);
 }
 
@@ -318,6 +368,10 @@ std::string content_hash(const CompiledScene& scene) {
   if (has_families(scene)) {
     Writer<decltype(add)> writer(add);
     archive_families(writer, scene);
+  }
+  if (has_nodes(scene)) {
+    Writer<decltype(add)> writer(add);
+    archive_nodes(writer, scene);
   }
   return hash.hex();
 }
@@ -399,6 +453,7 @@ CompiledScene load_compiled(const std::string& file) {
   archive_pulse_matter(reader, scene);
   archive_shapes(reader, scene);
   archive_families(reader, scene);
+  archive_nodes(reader, scene);
   for (auto& material : scene.materials) reader(material.source);
   if (reader.left() != 0) reader.damaged("has bytes left over");
   check_references(scene, reader);

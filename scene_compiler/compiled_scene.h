@@ -32,6 +32,20 @@ struct Shape {
   }
 };
 
+/// A shape at one of the wavelengths that it is given at; of shapes whose form depends on the material's curve, at one
+/// of the curve's values, which its parameter holds.
+struct ShapeNode {
+  double wavelength_um = 0;
+  Shape shape;
+  bool operator==(const ShapeNode&) const = default;
+};
+
+/// Part of what a material sends back: a shape that knows no wavelength times a curve.
+struct FurtherLobe {
+  Shape shape;
+  Curve curve;
+};
+
 /// A named material: curves that it owns (ids: kernels/shared/product_key.h), and how it scatters.
 struct Material {
   std::string name;    ///< a family's members have its name
@@ -42,7 +56,13 @@ struct Material {
   Shape front{RC_SHAPE_lambert};  ///< how its reflectance is spread over directions
   Shape behind{RC_SHAPE_leaf};    ///< where its transmittance goes
   Shape gloss{RC_SHAPE_none};     ///< beside its reflectance
-  std::uint32_t in_family = 0;    ///< place among the members, which follow one another; 0: the first, or no family
+  /// Of shapes that change with wavelength (spectral_shape.h), by wavelength, ascending, two at least; else none. The
+  /// first node's shape is `front`, or `gloss`.
+  std::vector<ShapeNode> front_nodes, gloss_nodes;
+  Curve index_n, index_k;            ///< refractive index of a gloss by Fresnel's law; else empty
+  Curve front_curve, gloss_curve;    ///< of the first lobes, where those above make some: follow from them
+  std::vector<FurtherLobe> further;  ///< those of `front` first: follow likewise
+  std::uint32_t in_family = 0;       ///< place among the members, which follow one another; 0: the first, or no family
 };
 
 /// A gas or aerosol volume on the way of pulses.

@@ -384,6 +384,15 @@ class DocumentReader {
         if (const auto* array = list(spec, node, file, "a list of numbers"))
           for (const auto& item : *array) read_number(spec, item, file, value.numbers.emplace_back(0));
         break;
+      case KeyType::number_or_numbers:
+        if (node.is_number()) {
+          read_number(spec, node, file, value.number);
+          value.numbers = {value.number};
+        } else if (const auto* array = list(spec, node, file, "a number or a list of numbers")) {
+          for (const auto& item : *array) read_number(spec, item, file, value.numbers.emplace_back(0));
+          if (value.numbers.size() == 1) value.number = value.numbers.front();
+        }
+        break;
       case KeyType::points:
         if (const auto* array = list(spec, node, file, "a list of [x, y]"))
           for (const auto& item : *array) read_point(spec, item, file, value);

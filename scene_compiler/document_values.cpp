@@ -52,6 +52,8 @@ nlohmann::ordered_json value_json(const KeySpec& spec, const Value& value) {
       return value.integers;
     case KeyType::numbers:
       return value.numbers;
+    case KeyType::number_or_numbers:
+      return value.numbers.size() == 1 ? Json(value.number) : Json(value.numbers);
     case KeyType::texts:
     case KeyType::choices:
       return value.texts;
@@ -117,7 +119,9 @@ void fill_default(const KeySpec& spec, Value& value) {
       std::from_chars(text.data(), text.data() + text.size(), value.number);
       break;
     case KeyType::numbers:
+    case KeyType::number_or_numbers:
       value.numbers = parse_list(text);
+      if (value.numbers.size() == 1) value.number = value.numbers.front();
       break;
     case KeyType::integers:
       for (const double number : parse_list(text)) value.integers.push_back(static_cast<std::int64_t>(number));

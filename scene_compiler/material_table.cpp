@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/document_values.h"
+#include "scene_compiler/fresnel.h"
+#include "scene_compiler/index_file.h"
 #include "scene_compiler/leaf_optics.h"
 #include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
+#include "scene_compiler/spectral_shape.h"
 #include "scene_compiler/spectrum_file.h"
 
 namespace raycube::scene {
@@ -130,24 +134,80 @@ std::vector<Material> read_spectra(const Record& record, Problems& problems) {
   return {std::move(*material)};
 }
 
+/// Whether a shape's numbers are as many as its wavelengths, and those in order.
+bool fits_wavelengths(const Record& table, const ShapeEntry& entry, Problems& problems) {
+  const std::vector<double>& at_nm = table.numbers("at_nm");
+  for (std::size_t i = 1; i < at_nm.size(); ++i)
+    if (!(at_nm[i] > at_nm[i - 1])) {
+      problems.add(table.place("at_nm"), "'at_nm' must ascend",
+                   number_text(at_nm[i]) + " after " + number_text(at_nm[i - 1]),
+                   "order the wavelengths, and the lists with them");
+      return false;
+    }
+  bool lists = false;
+  for (const ShapeParameter& parameter : entry.parameters) {
+    const std::string key(parameter.key);
+    const std::size_t count = table.numbers(key).size();
+    lists |= count > 1;
+    if (count <= 1 || count == at_nm.size()) continue;
+    problems.add(table.place(key), "'" + key + "' is not of as many wavelengths as 'at_nm'",
+                 std::to_string(count) + " values, " + std::to_string(at_nm.size()) + " wavelengths",
+                 at_nm.empty() ? "give at_nm, or one number" : "give a value for each, or one number");
+    return false;
+  }
+  if (at_nm.empty() || lists) return true;
+  problems.add(table.place("at_nm"), "'at_nm' means nothing where no number changes with wavelength", "",
+               "give a list of values, or remove it");
+  return false;
+}
+
+/// A shape, and where it changes with wavelength its nodes.
+struct GivenShape {
+  Shape first;
+  std::vector<ShapeNode> nodes;
+};
+
 /// The shape that a material's table of its name asks for; none where it has none.
-std::optional<Shape> read_shape(const Record& record, const ShapeEntry& entry) {
+std::optional<GivenShape> read_shape(const Record& record, const ShapeEntry& entry, Problems& problems) {
   const Record* table = entry.table ? record.table(std::string(entry.name)) : nullptr;
-  if (table == nullptr) return std::nullopt;
-  Shape out{entry.number};
-  for (std::size_t i = 0; i < entry.parameters.size(); ++i)
-    out.parameter[i] = table->number(std::string(entry.parameters[i].key));
+  if (table == nullptr || !fits_wavelengths(*table, entry, problems)) return std::nullopt;
+  if (entry.curve_parameter >= 0 && table->given("at_nm")) {
+    problems.add(table->place("at_nm"), "'at_nm' means nothing for " + std::string(entry.name), "",
+                 "remove it: its shape changes with the material's curve, its numbers do not");
+    return std::nullopt;
+  }
+  const auto shape_at = [&](std::size_t node) {
+    Shape out{entry.number};
+    for (std::size_t i = 0; i < entry.parameters.size(); ++i) {
+      const std::vector<double>& values = table->numbers(entry.parameters[i].key);
+      if (!values.empty()) out.parameter[i] = values[values.size() > 1 ? node : 0];
+    }
+    return out;
+  };
+  GivenShape out{shape_at(0), {}};
+  for (const double nm : table->numbers("at_nm")) out.nodes.push_back({nm / 1000, shape_at(out.nodes.size())});
   return out;
+}
+
+/// Share of light that a gloss mirrors at normal incidence; 0 without one.
+double mirrored_at(const Material& material, double wavelength_um) {
+  double out = 0;
+  for (const ShapeAndCurve& part : gloss_parts(material))
+    out += value_at(part.curve, wavelength_um) * rc_gloss_mirrored(part.shape.parameters(), 1);
+  return out;
+}
+
+double passed_at(const Material& material, double wavelength_um) {
+  return material.transmittance.value.empty() ? 0 : value_at(material.transmittance, wavelength_um);
 }
 
 /// Refuses a shape that sends more light back than comes, of a material whose curves are known.
 void check_energy(const Record& record, const Material& material, Problems& problems) {
-  const auto& reflected = material.reflectance.value;
-  const auto& through = material.transmittance.value;
-  const MostAlbedo most = most_albedo(material.front);
-  const double mirrored = material.gloss.number == RC_SHAPE_none ? 0 : material.gloss.parameter[1];
-  for (std::size_t i = 0; i < reflected.size(); ++i) {
-    const double sent = reflected[i] * most.albedo, passed = i < through.size() ? through[i] : 0;
+  if (shape_entry(material.front.number).conserves) return;
+  for (const double um : front_parts(material).front().curve.wavelength_um) {
+    const MostAlbedo most = most_albedo(material, um);
+    const double reflectance = value_at(material.reflectance, um), sent = reflectance * most.albedo;
+    const double passed = passed_at(material, um), mirrored = mirrored_at(material, um);
     if (sent + passed + mirrored <= 1) continue;
     const std::string name(shape_entry(material.front.number).name);
     problems.add(
@@ -155,22 +215,56 @@ void check_energy(const Record& record, const Material& material, Problems& prob
         fmt::format("albedo {:.3g}{} at {:.6g} nm of light from {:g} degrees off the normal, reflectance {:.4g}", sent,
                     (passed > 0 ? fmt::format(" and transmittance {:.3g}", passed) : "") +
                         (mirrored > 0 ? fmt::format(" and gloss {:.3g}", mirrored) : ""),
-                    1000 * material.reflectance.wavelength_um[i], most.zenith_deg, reflected[i]),
+                    1000 * um, most.zenith_deg, reflectance),
         fmt::format("the shape sends {:.3g} times the reflectance: lower that, or give another {}", most.albedo, name));
     return;
   }
+}
+
+/// Refuses a gloss that mirrors, at normal incidence, what the rest of the material sends already.
+void check_gloss(const Record& record, const Material& material, Problems& problems) {
+  if (material.gloss.number == RC_SHAPE_none) return;
+  const auto fronts = front_parts(material);
+  std::vector<double> wavelengths_um = fronts.front().curve.wavelength_um;
+  const double first = wavelengths_um.front(), last = wavelengths_um.back();
+  for (const ShapeAndCurve& part : gloss_parts(material))
+    std::copy_if(part.curve.wavelength_um.begin(), part.curve.wavelength_um.end(), std::back_inserter(wavelengths_um),
+                 [&](double um) { return um > first && um < last; });
+  double most = 0, beside = 0, mirrored = 0;
+  for (const double um : wavelengths_um) {
+    double sent = passed_at(material, um);
+    for (const ShapeAndCurve& part : fronts) sent += value_at(part.curve, um);
+    const double f0 = mirrored_at(material, um);
+    if (sent + f0 > most) most = sent + f0, beside = sent, mirrored = f0;
+  }
+  if (most <= 1 + 1e-9) return;
+  const Record* gloss = record.table("gloss");
+  problems.add(gloss ? gloss->place("f0") : record.table("fresnel")->place("file"),
+               "reflectance + transmittance + f0 above 1", fmt::format("{:.4g} + {:.4g}", beside, mirrored),
+               "energy must not be gained: lower one");
 }
 
 /// How its reflectance is spread over directions: by one shape of those with a table, else by Lambert's law.
 void read_front(const Record& record, Material& out, Problems& problems) {
   for (const ShapeEntry& entry : shape_entries()) {
     if (entry.role != ShapeRole::front) continue;
-    const auto shape = read_shape(record, entry);
+    const auto shape = read_shape(record, entry, problems);
     if (shape && out.front.number != RC_SHAPE_lambert)
       problems.add(record.place(std::string(entry.name)), "a material reflects by one shape",
                    std::string(shape_entry(out.front.number).name) + " and " + std::string(entry.name), "remove one");
-    if (shape) out.front = *shape;
+    if (shape) out.front = shape->first, out.front_nodes = shape->nodes;
   }
+}
+
+/// A gloss by Fresnel's law.
+void read_fresnel(const Record& record, Material& out, Problems& problems) {
+  auto index = read_index(record.text("file"), record.place("file"), problems);
+  if (!index) return;
+  double most = 0;
+  for (std::size_t i = 0; i < index->n.value.size(); ++i)
+    most = std::max(most, fresnel_mirrored(index->n.value[i], index->k.value[i], 1));
+  out.index_n = std::move(index->n), out.index_k = std::move(index->k);
+  out.gloss = {RC_SHAPE_gloss, {record.number("roughness"), most, 1}};
 }
 
 /// The way of transmitted light, and gloss.
@@ -179,17 +273,17 @@ void read_lobes(const Record& record, Material& out, Problems& problems) {
   if (record.given("transmission") && out.transmittance.wavelength_um.empty())
     problems.add(record.place("transmission"), "'transmission' needs a transmittance", "an opaque material",
                  "remove it, or give transmittance");
-  const Record* gloss = record.table("gloss");
-  if (gloss == nullptr) return;
-  const double f0 = gloss->number("f0");
-  if (f0 > 0) out.gloss = *read_shape(record, shape_entry(RC_SHAPE_gloss));
-  double most = 0;
-  for (std::size_t i = 0; i < out.reflectance.value.size(); ++i)
-    most = std::max(most,
-                    out.reflectance.value[i] + (i < out.transmittance.value.size() ? out.transmittance.value[i] : 0));
-  if (most + f0 > 1)
-    problems.add(gloss->place("f0"), "reflectance + transmittance + f0 above 1",
-                 number_text(most) + " + " + number_text(f0), "energy must not be gained: lower one");
+  const Record *gloss = record.table("gloss"), *fresnel = record.table("fresnel");
+  if (gloss != nullptr && fresnel != nullptr) {
+    problems.add(fresnel->where, "a material has one gloss", "gloss and fresnel", "remove one");
+  } else if (fresnel != nullptr) {
+    read_fresnel(*fresnel, out, problems);
+  } else if (gloss != nullptr) {
+    const std::vector<double>& f0 = gloss->numbers("f0");
+    if (std::none_of(f0.begin(), f0.end(), [](double value) { return value > 0; })) return;
+    if (const auto shape = read_shape(record, shape_entry(RC_SHAPE_gloss), problems))
+      out.gloss = shape->first, out.gloss_nodes = shape->nodes;
+  }
 }
 
 }  // namespace
@@ -218,7 +312,10 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       if (record.sound && !material.reflectance.value.empty()) {
         read_front(record, material, problems);
         read_lobes(record, material, problems);
-        if (!shape_entry(material.front.number).conserves) check_energy(record, material, problems);
+        take_nodes_of_curve(material);
+        make_lobes(material);
+        check_energy(record, material, problems);
+        check_gloss(record, material, problems);
       }
       material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
       if (record.given("source")) material.source = record.text("source");
@@ -229,10 +326,12 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
                    "rename or remove one");
       continue;
     }
-    if (std::uint64_t{RC_CURVE_ROLES} * (materials_.size() + members.size()) > RC_KEY_MASK) {
+    for (const Material& member : members)
+      roles_ = std::max<std::uint64_t>(roles_, RC_CURVE_ROLES + member.further.size());
+    if (roles_ * (materials_.size() + members.size()) > RC_KEY_MASK) {
       problems.add(record.where, "more spectra than a scene can hold",
                    std::to_string(materials_.size() + members.size()) + " with those of '" + name + "'",
-                   "at most " + std::to_string(RC_KEY_MASK / RC_CURVE_ROLES) + ": give smaller families");
+                   "at most " + std::to_string(RC_KEY_MASK / roles_) + ": give smaller families");
       continue;
     }
     if (texture) textures_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*texture));
@@ -304,7 +403,7 @@ std::uint32_t MaterialTable::surface(const std::string& name, const base::Where&
 
 bool MaterialTable::reflect_alike(const std::vector<std::pair<std::uint32_t, double>>& parts) const {
   return std::all_of(parts.begin(), parts.end(), [&](const auto& part) {
-    return materials_[part.first].front == materials_[parts.front().first].front;
+    return scene::reflect_alike(materials_[part.first], materials_[parts.front().first]);
   });
 }
 

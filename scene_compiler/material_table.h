@@ -58,6 +58,7 @@ class MaterialTable {
   void add(const std::string& name, std::vector<Material> members);
 
   std::vector<Material> materials_;
+  std::uint64_t roles_ = 0;  ///< most curves of a material
   std::map<std::string, std::uint32_t> index_;
   std::map<std::uint32_t, Texture> textures_, masks_;  ///< by the (first member's) index
   std::vector<shared::Surface> surfaces_;

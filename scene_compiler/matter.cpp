@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene_compiler/spectral_shape.h"
+
 namespace raycube::scene {
 
 std::vector<std::uint32_t> named_materials(const CompiledScene& scene) {
@@ -66,15 +68,18 @@ shared::Lobe lobe_of(const Shape& shape, float share) {
 
 std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
   std::vector<shared::Lobe> out;
+  const std::size_t further = most_further(scene);
   for (const auto& surface : scene.surfaces) {
     const std::size_t first = out.size();
-    out.resize(first + RC_LOBES, lobe_of({}, 0));
+    out.resize(first + RC_LOBES + further, lobe_of({}, 0));
     out[first] = lobe_of({RC_SHAPE_lambert}, 1);
     for (std::size_t i = 0; i < 4; ++i) {
       if (surface.material[i] == 0) continue;
       const Material& material = scene.materials[surface.material[i] - 1];
       out[first] = lobe_of(material.front, 1);
       if (material.gloss.number != RC_SHAPE_none) out[first + 1 + i] = lobe_of(material.gloss, surface.fraction[i]);
+      for (std::size_t t = 0; t < material.further.size(); ++t)
+        out[first + RC_LOBES + t] = lobe_of(material.further[t].shape, 1);
       if (lets_light_through(material))
         out[first + RC_LOBE_BEHIND] = lobe_of(material.behind, out[first + RC_LOBE_BEHIND].share + surface.fraction[i]);
     }
@@ -98,6 +103,9 @@ CameraMatter matter_of_used(const CompiledScene& scene, const std::vector<std::u
   out.through = any([](const Material& material) { return lets_light_through(material); });
   out.glossy = any([](const Material& material) { return material.gloss.number != RC_SHAPE_none; });
   out.shaped = out.glossy || first_shaped_of(scene, used) != nullptr;
+  for (const auto material : used)
+    out.further = std::max(out.further, static_cast<int>(scene.materials[material].further.size()));
+  out.further_records = static_cast<int>(most_further(scene));
   out.materials = material_count(scene);
   return out;
 }
@@ -114,9 +122,59 @@ const Shape* gloss_of(const CompiledScene& scene, std::uint32_t primitive) {
   return gloss;
 }
 
+const FurtherLobe* further_of(const CompiledScene& scene, std::uint32_t primitive, std::size_t number) {
+  const FurtherLobe* found = nullptr;
+  for_each_material(matter_of(scene, primitive), [&](std::size_t material, float) {
+    if (number < scene.materials[material].further.size()) found = &scene.materials[material].further[number];
+  });
+  return found;
+}
+
 const Curve& white_curve() {
   static const Curve white{{0.05, 1000.0}, {1.0, 1.0}};
   return white;
+}
+
+std::uint32_t curve_roles(const CompiledScene& scene) {
+  return RC_CURVE_ROLES + static_cast<std::uint32_t>(most_further(scene));
+}
+
+namespace {
+
+/// Whose a curve is; null: the material has no such lobe, or the curve is none of a further one.
+const FurtherLobe* further_of_curve(const CompiledScene& scene, std::uint32_t curve) {
+  const std::uint32_t role = rc_curve_role(curve, material_count(scene));
+  const auto& further = scene.materials[material_of_curve(scene, curve)].further;
+  return role >= RC_CURVE_FURTHER && role - RC_CURVE_FURTHER < further.size() ? &further[role - RC_CURVE_FURTHER]
+                                                                              : nullptr;
+}
+
+}  // namespace
+
+const Curve& curve_of(const CompiledScene& scene, std::uint32_t curve) {
+  static const Curve none;
+  const Material& owner = scene.materials[material_of_curve(scene, curve)];
+  switch (rc_curve_role(curve, material_count(scene))) {
+    case RC_CURVE_REFLECTANCE:
+      return owner.front_curve.value.empty() ? owner.reflectance : owner.front_curve;
+    case RC_CURVE_TRANSMITTANCE:
+      return owner.transmittance;
+    case RC_CURVE_GLOSS:
+      return owner.gloss_curve.value.empty() ? white_curve() : owner.gloss_curve;
+    default:
+      const FurtherLobe* lobe = further_of_curve(scene, curve);
+      return lobe ? lobe->curve : none;
+  }
+}
+
+bool is_of_front(const CompiledScene& scene, std::uint32_t curve) {
+  const FurtherLobe* lobe = further_of_curve(scene, curve);
+  return lobe ? !is_gloss(lobe->shape) : rc_curve_role(curve, material_count(scene)) == RC_CURVE_REFLECTANCE;
+}
+
+bool is_of_gloss(const CompiledScene& scene, std::uint32_t curve) {
+  const FurtherLobe* lobe = further_of_curve(scene, curve);
+  return lobe ? is_gloss(lobe->shape) : rc_curve_role(curve, material_count(scene)) == RC_CURVE_GLOSS;
 }
 
 bool carries_light(const CompiledScene& scene, std::uint32_t curve) {
@@ -126,8 +184,10 @@ bool carries_light(const CompiledScene& scene, std::uint32_t curve) {
       return lets_light_through(owner);
     case RC_CURVE_GLOSS:
       return owner.gloss.number != RC_SHAPE_none;
-    default:
+    case RC_CURVE_REFLECTANCE:
       return true;
+    default:
+      return further_of_curve(scene, curve) != nullptr;
   }
 }
 
@@ -152,6 +212,11 @@ std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
     if (matter.through) out.push_back(transmittance_curve(scene, material));
   for (const auto material : used)
     if (matter.glossy) out.push_back(gloss_curve(scene, material));
+  const bool mixed = scene.surfaces.size() > scene.materials.size();
+  for (std::size_t number = 0; number < static_cast<std::size_t>(matter.further); ++number)
+    for (const auto material : used)
+      if (mixed || number < scene.materials[material].further.size())
+        out.push_back(further_curve(scene, material, number));
   return out;
 }
 

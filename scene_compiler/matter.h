@@ -46,7 +46,8 @@ void for_each_material(const shared::Surface& surface, F&& f) {
 /// The narrowest gloss that cameras see: below it single precision and the sun as a point would show.
 inline constexpr double kLeastRoughness = 0.1;
 
-/// Shapes of every surface, [surface][RC_LOBES]. Materials mixed in one surface share what they reflect by one shape.
+/// Shapes of every surface, [surface][RC_LOBES + most_further(scene)]. Materials mixed in one surface share what they
+/// reflect by one shape.
 std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene);
 
 /// The first used material that does not reflect by Lambert's law; null: none.
@@ -62,14 +63,20 @@ bool lets_light_through(const CompiledScene& scene, std::uint32_t primitive);
 /// (plan::check_curves).
 const Shape* gloss_of(const CompiledScene& scene, std::uint32_t primitive);
 
+/// Its further lobe of a number; null where its materials have none. Materials mixed in one surface share their shapes.
+const FurtherLobe* further_of(const CompiledScene& scene, std::uint32_t primitive, std::size_t number);
+
 /// What the matter of a scene asks of a camera's kernels.
 struct CameraMatter {
   bool shaped = false;          ///< some used material does not reflect by Lambert's law, or is glossy too
   bool through = false;         ///< some lets light through
   bool glossy = false;          ///< some has a gloss beside what it reflects
+  int further = 0;              ///< beyond the first of shapes that change with wavelength: most of any material
+  int further_records = 0;      ///< as many, in surface_lobes
   std::uint32_t materials = 0;  ///< of the scene
-  /// Slots of a sample: the near side, the far one where matter lets light through, the near one's gloss where some is.
-  int sides() const { return 1 + int{through} + int{glossy}; }
+  /// Slots of a sample: the near side, the far one where matter lets light through, the near one's gloss where some is,
+  /// and the further lobes of what is seen.
+  int sides() const { return 1 + int{through} + int{glossy} + further; }
 };
 CameraMatter camera_matter(const CompiledScene& scene);
 
@@ -79,7 +86,8 @@ CameraMatter camera_matter(const CompiledScene& scene);
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene);
 
 /// Curves are numbered from 1, see kernels/shared/product_key.h.
-inline std::uint32_t curve_count(const CompiledScene& scene) { return RC_CURVE_ROLES * material_count(scene); }
+std::uint32_t curve_roles(const CompiledScene& scene);
+inline std::uint32_t curve_count(const CompiledScene& scene) { return curve_roles(scene) * material_count(scene); }
 
 /// Id of a material's reflectance.
 inline std::uint32_t reflectance_curve(const CompiledScene& scene, std::size_t material) {
@@ -88,6 +96,12 @@ inline std::uint32_t reflectance_curve(const CompiledScene& scene, std::size_t m
 
 inline std::uint32_t gloss_curve(const CompiledScene& scene, std::size_t material) {
   return rc_curve_id(RC_CURVE_GLOSS, static_cast<std::uint32_t>(material), material_count(scene));
+}
+
+/// Of a material's further lobe.
+inline std::uint32_t further_curve(const CompiledScene& scene, std::size_t material, std::size_t number) {
+  return rc_curve_id(RC_CURVE_FURTHER + static_cast<std::uint32_t>(number), static_cast<std::uint32_t>(material),
+                     material_count(scene));
 }
 
 inline std::uint32_t transmittance_curve(const CompiledScene& scene, std::size_t material) {
@@ -102,15 +116,15 @@ inline std::uint32_t material_of_curve(const CompiledScene& scene, std::uint32_t
 /// 1 at every wavelength: what a gloss is multiplied by, whose own form holds its reflectance.
 const Curve& white_curve();
 
-inline const Curve& curve_of(const CompiledScene& scene, std::uint32_t curve) {
-  const Material& owner = scene.materials[material_of_curve(scene, curve)];
-  const std::uint32_t role = rc_curve_role(curve, material_count(scene));
-  return role == RC_CURVE_GLOSS         ? white_curve()
-         : role == RC_CURVE_REFLECTANCE ? owner.reflectance
-                                        : owner.transmittance;
-}
+/// What light is multiplied by under a curve's key: of shapes that change with wavelength the first node's part. Empty
+/// of a term that the material does not have.
+const Curve& curve_of(const CompiledScene& scene, std::uint32_t curve);
 
-/// Whether light goes to a camera by a curve: by the transmittance of a leaf, and a glossy material's gloss.
+/// Whether a curve is of what a material reflects (by its gloss): its own, or of a term of that.
+bool is_of_front(const CompiledScene& scene, std::uint32_t curve);
+bool is_of_gloss(const CompiledScene& scene, std::uint32_t curve);
+
+/// Whether light goes to a camera by a curve: by the transmittance of a leaf, a glossy material's gloss, a term.
 bool carries_light(const CompiledScene& scene, std::uint32_t curve);
 
 }  // namespace raycube::scene

@@ -28,6 +28,8 @@ std::string_view type_name(KeyType type) {
       return "integers";
     case KeyType::numbers:
       return "numbers";
+    case KeyType::number_or_numbers:
+      return "number or numbers";
     case KeyType::points:
       return "list of [x, y]";
     case KeyType::texts:
@@ -106,6 +108,10 @@ Json key_schema(const KeySpec& spec) {
       return list_schema(spec, number_schema(spec, "integer"));
     case KeyType::numbers:
       return list_schema(spec, number_schema(spec, "number"));
+    case KeyType::number_or_numbers: {
+      const Json number = number_schema(spec, "number");
+      return {{"anyOf", Json::array({number, list_schema(spec, number)})}};
+    }
     case KeyType::points:
       return {
           {"type", "array"},
@@ -186,7 +192,9 @@ std::string options_markdown() {
       std::string range = chosen ? choices_text(spec) : range_text(spec);
       if (!chosen && !spec.shape.empty()) {
         std::string lengths(spec.shape);
-        if (const auto bar = lengths.find('|'); bar != std::string::npos) lengths.replace(bar, 1, " or ");
+        if (const auto last = lengths.rfind('|'); last != std::string::npos) lengths.replace(last, 1, " or ");
+        for (auto bar = lengths.find('|'); bar != std::string::npos; bar = lengths.find('|'))
+          lengths.replace(bar, 1, ", ");
         range += (range.empty() ? "" : "; ") +
                  (spec.type == KeyType::integer_or_word ? "or \"" + lengths + "\"" : lengths + " values");
       }

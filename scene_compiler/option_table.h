@@ -17,6 +17,7 @@ enum class KeyType {
   choices,  ///< a list of them
   integers,
   numbers,
+  number_or_numbers,  ///< a number is a list of one
   points,
   texts,
   text_map,

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
+#include "kernels/shared/product_key.h"
 #include "scene_compiler/shape_list.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::scene {
 
@@ -35,32 +38,72 @@ double albedo_of(const Shape& shape, double cosine) {
   return std::numbers::pi * sum / (kCosines * kAzimuths);
 }
 
+/// Of the last shapes asked for: members of a family have the same ones, unless they go by the curve.
+template <class Value>
+class Kept {
+ public:
+  const Value* find(const Shape& shape) const {
+    const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const auto& one) { return one.first == shape; });
+    return found == kept_.end() ? nullptr : &found->second;
+  }
+  Value keep(const Shape& shape, const Value& value) {
+    if (kept_.size() >= 8 * RC_MOST_NODES) kept_.erase(kept_.begin());
+    kept_.emplace_back(shape, value);
+    return value;
+  }
+
+ private:
+  std::vector<std::pair<Shape, Value>> kept_;
+};
+
 }  // namespace
 
 double black_sky_albedo(const Shape& shape, double zenith_rad) { return albedo_of(shape, std::cos(zenith_rad)); }
 
 double white_sky_albedo(const Shape& shape) {
   if (shape.number == RC_SHAPE_lambert) return 1;
-  static thread_local std::pair<Shape, double> last{{}, 0};  // members of a family have one shape
-  if (last.first == shape) return last.second;
+  static thread_local Kept<double> kept;
+  if (const double* known = kept.find(shape)) return *known;
   double sum = 0;
   for (int i = 0; i < kWhole; ++i) {
     const double in = (i + 0.5) / kWhole;
     sum += 2 * in * albedo_of(shape, in);
   }
-  last = {shape, sum / kWhole};
-  return last.second;
+  return kept.keep(shape, sum / kWhole);
 }
 
 MostAlbedo most_albedo(const Shape& shape) {
   if (shape_entry(shape.number).conserves) return {1, 0};
-  static thread_local std::pair<Shape, MostAlbedo> last{};  // members of a family have one shape
-  if (last.first == shape) return last.second;
+  static thread_local Kept<MostAlbedo> kept;
+  if (const MostAlbedo* known = kept.find(shape)) return *known;
   MostAlbedo most{0, 0};
   for (double zenith_deg = 0; zenith_deg <= kSteepest_deg; zenith_deg += 5)
     if (const double albedo = black_sky_albedo(shape, zenith_deg * std::numbers::pi / 180); albedo > most.albedo)
       most = {albedo, zenith_deg};
-  last = {shape, most};
+  return kept.keep(shape, most);
+}
+
+MostAlbedo most_albedo(const Material& material, double wavelength_um) {
+  const auto& nodes = material.front_nodes;
+  if (nodes.empty()) return most_albedo(material.front);
+  static thread_local std::pair<std::vector<ShapeNode>, std::vector<std::vector<double>>> last;  // as above
+  if (last.first.empty() || last.first != nodes) {
+    last = {nodes, {}};
+    for (const ShapeNode& node : nodes) {
+      auto& albedos = last.second.emplace_back();
+      for (double zenith_deg = 0; zenith_deg <= kSteepest_deg; zenith_deg += 5)
+        albedos.push_back(black_sky_albedo(node.shape, zenith_deg * std::numbers::pi / 180));
+    }
+  }
+  MostAlbedo most{0, 0};
+  const double reflectance = std::max(1e-9, value_at(material.reflectance, wavelength_um));
+  const std::vector<ShapeAndCurve> parts = front_parts(material);
+  for (std::size_t zenith = 0; zenith < last.second.front().size(); ++zenith) {
+    double albedo = 0;
+    for (std::size_t node = 0; node < nodes.size(); ++node)
+      albedo += value_at(parts[node].curve, wavelength_um) / reflectance * last.second[node][zenith];
+    if (albedo > most.albedo) most = {albedo, 5.0 * static_cast<double>(zenith)};
+  }
   return most;
 }
 

@@ -18,6 +18,8 @@ struct MostAlbedo {
   double albedo = 1, zenith_deg = 0;
 };
 MostAlbedo most_albedo(const Shape& shape);
+/// The same of what a material reflects at a wavelength, over its reflectance there.
+MostAlbedo most_albedo(const Material& material, double wavelength_um);
 
 /// How many times the radiance of Lambert's law goes into the brightest direction, both up to 80 degrees from the
 /// normal.

@@ -16,10 +16,12 @@ std::vector<ShapeEntry> read_entries() {
 #define RC_SHAPE_PARAMETER(name, index, key, unit, low, high, text)         \
   static_assert((index) < 6, #name ": a shape has at most six parameters"); \
   out.back().parameters.push_back({key, unit, low, high, text});
+#define RC_SHAPE_CURVE(name, index) out.back().curve_parameter = (index);
 #include "kernels/materials/materials.def"
 #undef RC_SHAPE
 #undef RC_SHAPE_TABLE
 #undef RC_SHAPE_PARAMETER
+#undef RC_SHAPE_CURVE
   return out;
 }
 

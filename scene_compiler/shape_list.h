@@ -23,6 +23,7 @@ struct ShapeEntry {
   std::string_view text;
   std::vector<ShapeParameter> parameters;  ///< at most six
   bool table = false;                      ///< a material's table of its name asks for it
+  int curve_parameter = -1;                ///< which holds the curve's value, of shapes whose form depends on that
 };
 
 std::span<const ShapeEntry> shape_entries();

@@ -2,6 +2,8 @@ add_library(raycube_render_support STATIC support/render_kit.cpp)
 target_link_libraries(raycube_render_support PUBLIC raycube_warnings raycube::render raycube::sensors raycube::plan
                       raycube::scene_bvh raycube::atmos_tables)
 raycube_test(render_shapes SOURCES oracle/render_shapes_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_spectral_shapes SOURCES oracle/render_spectral_shapes_test.cpp LIBS raycube_render_support LABELS
+  fast)
 raycube_test(render_gloss SOURCES oracle/render_gloss_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_lamps SOURCES oracle/render_lamps_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_leaves SOURCES oracle/render_leaves_test.cpp LIBS raycube_render_support LABELS fast)

@@ -215,7 +215,9 @@ scene::Instrument crown_camera() { return camera("crowns", 64, 1.0, 600, 3.4); }
 scene::CompiledScene compile(const std::vector<scene::TriangleMesh>& meshes,
                              const std::vector<std::vector<std::array<double, 12>>>& places) {
   scene::CompiledScene scene;
-  scene.materials.push_back({"bench", "constant, generated", {{0.3, 15.0}, {0.25, 0.25}}, {}});
+  scene.materials.emplace_back();
+  scene.materials.back().name = "bench", scene.materials.back().source = "constant, generated";
+  scene.materials.back().reflectance = {{0.3, 15.0}, {0.25, 0.25}};
   shared::Surface surface{};
   surface.material[0] = 1;
   surface.fraction[0] = 1;

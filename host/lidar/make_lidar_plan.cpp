@@ -40,9 +40,16 @@ std::vector<Matter> matter_of(const LidarPlan& plan, const scene::CompiledScene&
   base::Problems problems;
   for (const auto m : scene.blocks.empty() ? std::vector<std::uint32_t>{} : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[m];
+    if (!material.further.empty()) {
+      problems.add({"", 0, 0, plan.lidar.name}, "pulses know no shape that changes with wavelength",
+                   "material '" + material.name + "'",
+                   "give it one shape, of numbers that hold at the laser's wavelength");
+      continue;
+    }
     std::vector<double> reflectance, transmittance(lines, 0.0);
     try {
-      reflectance = line_means(plan, plan::sample_reflectance(material, wavelengths));
+      const scene::Curve& curve = scene::curve_of(scene, scene::reflectance_curve(scene, m));
+      reflectance = line_means(plan, plan::sample_curve(material, curve, wavelengths));
       if (!material.transmittance.wavelength_um.empty())
         transmittance = line_means(plan, plan::sample_curve(material, material.transmittance, wavelengths));
     } catch (const base::Error& error) {

@@ -16,6 +16,7 @@
 #include "host/plan/thermal_plan.h"
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
 
@@ -91,11 +92,24 @@ class Columns {
   std::vector<float>& row_;
 };
 
-/// Of a material's light on the side that is seen: what falls onto it.
-void put_irradiance(const Plan& plan, Columns& columns) {
+/// Of a material's light on the side that is seen: what falls onto it, times the share of a shape's node in it.
+void put_irradiance(const Plan& plan, const std::vector<double>& share, Columns& columns) {
   const auto views = static_cast<std::size_t>(plan.view.count);
-  for (std::size_t c = 0; c < plan.incident.size(); ++c)
-    for (std::size_t v = 0; v < views; ++v) columns.put(c * views + v, plan.incident[c]);
+  for (std::size_t c = 0; c < plan.incident.size(); ++c) {
+    std::vector<double> incident = plan.incident[c];
+    for (std::size_t b = 0; b < incident.size(); ++b) incident[b] *= share[b];
+    for (std::size_t v = 0; v < views; ++v) columns.put(c * views + v, incident);
+  }
+}
+
+/// Of a curve by which a material reflects, its share in all of those in the bands; 1 where it has one.
+std::vector<double> share_of(const Plan& plan, const scene::CompiledScene& scene, std::uint32_t curve) {
+  const scene::Material& material = scene.materials[scene::material_of_curve(scene, curve)];
+  if (material.front_curve.value.empty()) return std::vector<double>(plan.bands.size(), 1.0);
+  std::vector<double> share = curve_on(scene, curve, plan.wavelength_um);
+  const std::vector<double> all = sample_reflectance(material, plan.wavelength_um);
+  for (std::size_t i = 0; i < share.size(); ++i) share[i] = all[i] > 0 ? share[i] / all[i] : 0;
+  return in_bands(plan.bands, share);
 }
 
 }  // namespace
@@ -156,18 +170,22 @@ void bake_truth(const Plan& plan, const scene::CompiledScene& scene, std::uint64
     return curve_on(scene, curve_of_material(scene, scene::material_of_curve(scene, rc_key_curve(key, 0))),
                     plan.wavelength_um);
   };
+  const auto reflected = [&] {
+    return sample_reflectance(scene.materials[scene::material_of_curve(scene, rc_key_curve(key, 0))],
+                              plan.wavelength_um);
+  };
   for (std::size_t cube = 0; cube < plan.truth.size(); ++cube) {
     Columns columns(plan, cube, padded, row);
     const scene::BandTruth truth = plan.truth[cube];
     if (scene::band_truth_entry(truth).kind == scene::BandTruthKind::part) {
       for (std::size_t c = 0; c < channels; ++c)
         if (light_kind(plan, key, static_cast<int>(c)) == truth) columns.copy_radiance(c);
-    } else if (seen && truth == irradiance) {
-      put_irradiance(plan, columns);
+    } else if (product && truth == irradiance && scene::is_of_front(scene, rc_key_curve(key, 0))) {
+      put_irradiance(plan, share_of(plan, scene, rc_key_curve(key, 0)), columns);
     } else if (seen && truth == reflectance) {
-      columns.put(coverage, in_bands(plan.bands, curve(scene::reflectance_curve)));
+      columns.put(coverage, in_bands(plan.bands, reflected()));
     } else if (seen && truth == emissivity) {
-      auto emitted = curve(scene::reflectance_curve);
+      auto emitted = reflected();
       const auto through = curve(scene::transmittance_curve);
       for (std::size_t i = 0; i < emitted.size(); ++i) emitted[i] = 1 - emitted[i] - through[i];
       columns.put(coverage, in_bands(plan.bands, emitted));

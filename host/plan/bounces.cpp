@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -13,6 +14,8 @@
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/shape_energy.h"
+#include "scene_compiler/shape_list.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
 
@@ -24,19 +27,48 @@ constexpr int kMostFactors = 8;            ///< of a product that the skeleton i
 constexpr std::size_t kRowsOfACurve = 24;  ///< that judge
 constexpr std::size_t kMostRows = 600;     ///< that judge or train
 constexpr std::size_t kMostWavelengths = 128, kStep = 16;
-constexpr double kNothingLeft = 1e-12;        ///< of the largest column: rounding of what has been taken out
-constexpr double kFewest = 0.1, kMost = 0.9;  ///< chance of the side by which a path leaves a leaf
-constexpr double kMostSeen = 4;               ///< light at a place over that of the bands there, so far counted
-constexpr double kGrazing = 0.05;             ///< hemispherical mean of Schlick's rise of a gloss, (1 - cos)^5, about
+constexpr double kNothingLeft = 1e-12;  ///< of the largest column: rounding of what has been taken out
+constexpr double kMostSeen = 4;         ///< light at a place over that of the bands there, so far counted
 constexpr std::uint32_t kTraining = 61, kJudging = 62;
+
+/// Of matter that is a sum of lobes, what light may be multiplied by: of shapes that change with wavelength each lobe's
+/// curve; of those that go by the curve's value, and of a gloss by Fresnel's law, whose lobes' curves change their
+/// signs, what leaves in all of light from some angles.
+Curves lobe_factors(const Plan& plan, const scene::Material& material) {
+  Curves out;
+  const auto add = [&](const std::vector<scene::ShapeAndCurve>& parts, auto&& factor_of) {
+    auto& sum = out.emplace_back(plan.wavelength_um.size(), 0.0);
+    for (const auto& part : parts) {
+      const std::vector<double> curve = sample_curve(material, part.curve, plan.wavelength_um);
+      const double factor = factor_of(part.shape);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor * curve[i];
+    }
+    for (double& value : sum) value = std::max(0.0, value);
+  };
+  const auto front = scene::front_parts(material), gloss = scene::gloss_parts(material);
+  const bool by_values = scene::shape_entry(material.front.number).curve_parameter >= 0;
+  if (by_values)
+    for (const double zenith_rad : {0.2, 0.9, 1.3})
+      add(front, [&](const scene::Shape& shape) { return scene::black_sky_albedo(shape, zenith_rad); });
+  if (!material.index_n.value.empty())
+    for (const double cosine : {1.0, 0.5, 0.25, 0.1})
+      add(gloss, [&](const scene::Shape& shape) { return rc_gloss_mirrored(shape.parameters(), cosine); });
+  const auto one = [](const scene::Shape&) { return 1.0; };
+  if (!material.front_nodes.empty() && !by_values)
+    for (const auto& part : front) add({part}, one);
+  if (!material.gloss_nodes.empty())
+    for (const auto& part : gloss) add({part}, one);
+  return out;
+}
 
 /// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums,
 /// and 1, a gloss's; none of what is black.
 Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
-  Curves out;
+  Curves out, shares;  // the latter of shapes that change with wavelength
   for (const auto number : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[number];
     out.push_back(sample_reflectance(material, plan.wavelength_um));
+    for (auto& share : lobe_factors(plan, material)) shares.push_back(std::move(share));
     if (!scene::lets_light_through(material)) continue;
     const std::size_t reflectance = out.size() - 1;
     out.push_back(sample_curve(material, material.transmittance, plan.wavelength_um));
@@ -45,6 +77,7 @@ Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
   }
   // Of what a gloss mirrors there is a curve less.
   if (plan.matter.glossy) out.emplace_back(plan.wavelength_um.size(), 1.0);
+  std::move(shares.begin(), shares.end(), std::back_inserter(out));
   std::erase_if(out, [](const auto& curve) { return !(*std::max_element(curve.begin(), curve.end()) > 0); });
   return out;
 }
@@ -372,71 +405,7 @@ void find_ground(Bounces& out, const Plan& plan, const Curves& shares) {
   }
 }
 
-/// Chance p of the near side that makes the largest R^2 / p + T^2 / (1 - p) smallest: what a path carries varies least.
-double near_chance(const std::vector<double>& reflected, const std::vector<double>& through) {
-  const double r = *std::max_element(reflected.begin(), reflected.end()),
-               t = *std::max_element(through.begin(), through.end());
-  if (t <= 0) return 1;
-  if (r <= 0) return 0;
-  double best = 0.5, least = 1e300;
-  for (double p = kFewest; p <= kMost + 1e-9; p += 0.01) {
-    double worst = 0;
-    for (std::size_t i = 0; i < reflected.size(); ++i)
-      worst = std::max(worst, reflected[i] * reflected[i] / p + through[i] * through[i] / (1 - p));
-    if (worst < least) least = worst, best = p;
-  }
-  return best;
-}
-
 }  // namespace
-
-std::vector<shared::rc_float4> surface_scattering(const scene::CompiledScene& scene, const std::vector<float>& curve,
-                                                  std::size_t count) {
-  const std::size_t padded = RC_PADDED(count);
-  std::vector<shared::rc_float4> out;
-  for (const shared::Surface& surface : scene.surfaces) {
-    std::vector<double> side[2] = {std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
-    scene::for_each_material(surface, [&](std::size_t material, float fraction) {
-      for (const std::size_t through : {0u, 1u}) {
-        const auto id =
-            through ? scene::transmittance_curve(scene, material) : scene::reflectance_curve(scene, material);
-        // What a shape may send beyond its curve, paths may carry: else they would end too early, and weigh too much.
-        const double most = through ? 1 : scene::most_albedo(scene.materials[material].front).albedo;
-        for (std::size_t m = 0; m < count; ++m)
-          side[through][m] += most * static_cast<double>(fraction) * static_cast<double>(curve[(id - 1) * padded + m]);
-      }
-    });
-    double largest = 0;
-    for (std::size_t m = 0; m < count; ++m) largest = std::max(largest, side[0][m] + side[1][m]);
-    shared::rc_float4 law{};
-    law.x = static_cast<float>(near_chance(side[0], side[1])), law.y = static_cast<float>(largest);
-    scene::for_each_material(surface, [&](std::size_t material, float) {
-      const scene::Shape& gloss = scene.materials[material].gloss;
-      if (gloss.number == RC_SHAPE_none) return;
-      const double mirrored = gloss.parameter[1] + kGrazing * (1 - gloss.parameter[1]);
-      law.z = static_cast<float>(std::clamp(mirrored / (mirrored + largest), kFewest, kMost));
-    });
-    out.push_back(law);
-  }
-  return out;
-}
-
-std::vector<float> sampled_curves(const scene::CompiledScene& scene, const std::vector<double>& at_um) {
-  const std::size_t padded = RC_PADDED(at_um.size());
-  std::vector<float> out(scene::curve_count(scene) * padded, 0.0f);
-  const auto sample = [&](const scene::Material& material, std::uint32_t curve) {
-    for (std::size_t m = 0; m < at_um.size(); ++m)
-      out[(curve - 1) * padded + m] =
-          static_cast<float>(sample_curve(material, scene::curve_of(scene, curve), {at_um[m]}).front());
-  };
-  for (const auto number : scene::used_materials(scene)) {
-    const scene::Material& material = scene.materials[number];
-    sample(material, scene::reflectance_curve(scene, number));
-    if (scene::lets_light_through(material)) sample(material, scene::transmittance_curve(scene, number));
-    if (material.gloss.number != RC_SHAPE_none) sample(material, scene::gloss_curve(scene, number));
-  }
-  return out;
-}
 
 double Bounces::brightest() const {
   double most = 0;

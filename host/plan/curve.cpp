@@ -5,6 +5,7 @@
 #include "host/base/error.h"
 #include "host/plan/sky_basis.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
 
@@ -38,7 +39,12 @@ std::vector<double> curve_on(const scene::CompiledScene& scene, std::uint32_t cu
 }
 
 std::vector<double> sample_reflectance(const scene::Material& material, const std::vector<double>& wavelength_um) {
-  return sample_curve(material, material.reflectance, wavelength_um);
+  std::vector<double> out(wavelength_um.size(), 0.0);
+  for (const auto& part : scene::front_parts(material)) {
+    const std::vector<double> values = sample_curve(material, part.curve, wavelength_um);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += values[i];
+  }
+  return out;
 }
 
 }  // namespace raycube::plan

@@ -9,6 +9,7 @@
 #include "host/plan/curve.h"
 #include "host/plan/ground_rays.h"
 #include "scene_compiler/shape_energy.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
 
@@ -260,9 +261,12 @@ namespace {
 
 /// What a material sends back of an even sky's light.
 std::vector<double> ground_albedo(const scene::Material& material, const std::vector<double>& wavelength_um) {
-  std::vector<double> out = sample_reflectance(material, wavelength_um);
-  if (const double share = scene::white_sky_albedo(material.front); share != 1)
-    for (double& value : out) value *= share;
+  std::vector<double> out(wavelength_um.size(), 0.0);
+  for (const auto& part : scene::front_parts(material)) {
+    const double share = scene::white_sky_albedo(part.shape);
+    const std::vector<double> curve = sample_curve(material, part.curve, wavelength_um);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += share * curve[i];
+  }
   return out;
 }
 

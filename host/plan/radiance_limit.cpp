@@ -10,6 +10,7 @@
 #include "scene_compiler/matter.h"
 #include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
 
@@ -64,9 +65,8 @@ std::vector<double> largest_return(const Plan& plan, const atmos::RenderTable& t
 double largest_gloss(const scene::CompiledScene& scene) {
   double most = 0;
   for (const auto index : scene::used_materials(scene)) {
-    const scene::Shape& gloss = scene.materials[index].gloss;
-    if (gloss.number != RC_SHAPE_none)
-      most = std::max(most, 0.25 / std::pow(std::max(gloss.parameter[0], scene::kLeastRoughness), 2));
+    for (const auto& part : scene::gloss_parts(scene.materials[index]))
+      most = std::max(most, 0.25 / std::pow(std::max(part.shape.parameter[0], scene::kLeastRoughness), 2));
   }
   return most;
 }
@@ -78,7 +78,8 @@ double largest_front(const scene::CompiledScene& scene) {
     const scene::Material& material = scene.materials[index];
     if (scene::shape_entry(material.front.number).conserves || material.reflectance.value.empty()) continue;
     const double largest = *std::max_element(material.reflectance.value.begin(), material.reflectance.value.end());
-    most = std::max(most, largest * scene::brightest_direction(material.front));
+    for (const auto& part : scene::front_parts(material))
+      most = std::max(most, largest * scene::brightest_direction(part.shape));
   }
   return most;
 }

@@ -13,6 +13,7 @@
 #include "host/plan/quadrature.h"
 #include "host/plan/sources.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
 
@@ -90,24 +91,28 @@ std::uint32_t role_of(const scene::CompiledScene& scene, std::uint32_t curve) {
 }
 
 std::string what_of(const scene::CompiledScene& scene, std::uint32_t curve) {
-  return role_of(scene, curve) == RC_CURVE_REFLECTANCE ? "the curve" : "the transmittance";
+  const std::uint32_t role = role_of(scene, curve);
+  return role == RC_CURVE_REFLECTANCE ? "the curve" : role == RC_CURVE_GLOSS ? "the index" : "the transmittance";
 }
 
 /// Of real cameras: what a LIDAR's background is looked at with takes narrow gloss for as wide as that.
 void check_gloss(const scene::CompiledScene& scene, const base::Where& where, base::Problems& problems) {
   for (const auto index : scene::used_families(scene)) {
     const scene::Material& material = scene.materials[index];
-    if (material.gloss.number != RC_SHAPE_none && material.gloss.parameter[0] < scene::kLeastRoughness)
+    for (const auto& part : scene::gloss_parts(material)) {
+      if (part.shape.parameter[0] >= scene::kLeastRoughness) continue;
       problems.add(where, "gloss of material '" + material.name + "' is narrower than cameras can see",
-                   fmt::format("roughness {:g}", material.gloss.parameter[0]),
+                   fmt::format("roughness {:g}", part.shape.parameter[0]),
                    fmt::format("give it {:g} or more, or remove its gloss", scene::kLeastRoughness));
+      break;
+    }
   }
   for (const shared::Surface& surface : scene.surfaces) {
     const scene::Material *first = nullptr, *other = nullptr;
     scene::for_each_material(surface, [&](std::size_t material, float) {
       const scene::Material& here = scene.materials[material];
       if (here.gloss.number == RC_SHAPE_none) return;
-      if (first && !(first->gloss == here.gloss)) other = &here;
+      if (first && !scene::gloss_alike(*first, here)) other = &here;
       if (!first) first = &here;
     });
     if (!other) continue;
@@ -132,10 +137,11 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
   std::set<std::pair<std::uint32_t, std::uint32_t>>
       told;  // family and role: its members have the wavelengths of one file
   for (const auto curve : scene::seen_curves(scene)) {
-    if (!scene::carries_light(scene, curve) || role_of(scene, curve) == RC_CURVE_GLOSS) continue;
-    const std::uint32_t index = scene::material_of_curve(scene, curve);
+    const std::uint32_t index = scene::material_of_curve(scene, curve), role = role_of(scene, curve);
     const auto& material = scene.materials[index];
-    if (!told.emplace(index - material.in_family, role_of(scene, curve)).second) continue;
+    const bool made = role == RC_CURVE_GLOSS ? material.index_n.value.empty() : role >= RC_CURVE_FURTHER;
+    if (!scene::carries_light(scene, curve) || made) continue;
+    if (!told.emplace(index - material.in_family, role).second) continue;
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)

@@ -98,7 +98,7 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
   half.bounces.levels = 0;
   // By lobes that reach far above and below Lambert's a ray's sign would not tell its fate.
-  if (!plan.matter.glossy && reaches_far(scene)) half.matter.shaped = false;
+  if (!plan.matter.glossy && reaches_far(scene)) half.matter.shaped = false, half.matter.further = 0;
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());
   std::vector<PixelSeen> pixels;
@@ -124,7 +124,7 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
           const reference::Hit hit{probe.hit_instance[p * samples + s], primitive};
           const double up = std::abs(reference::world_normal(scene, hit).z);  // views look down
           const std::size_t side = i / samples % sides;
-          if (plan.matter.glossy && side + 1 == sides) continue;  // of gloss nothing is granted
+          if (side > (plan.matter.through ? 1u : 0u)) continue;  // of gloss nothing is granted; lobes share rays
           const bool far_side = side > 0;
           PixelSeen& pixel = pixels[before + p];
           pixel.hidden += std::abs(met) - met, pixel.all += 2 * std::abs(met);

@@ -13,7 +13,8 @@ namespace raycube::reference {
 std::vector<std::vector<double>> curves_on(const scene::CompiledScene& scene,
                                            const std::vector<double>& wavelength_um) {
   std::vector<std::vector<double>> out;
-  for (std::uint32_t curve = 1; curve <= scene::curve_count(scene); ++curve) {
+  const std::uint32_t count = scene::curve_count(scene);
+  for (std::uint32_t curve = 1; curve <= count; ++curve) {
     const std::vector<double>&x = scene::curve_of(scene, curve).wavelength_um, &y = scene::curve_of(scene, curve).value;
     std::vector<double>& values = out.emplace_back();
     const bool dark = x.empty() || !scene::carries_light(scene, curve);

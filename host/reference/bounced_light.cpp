@@ -6,12 +6,13 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/reference/ground_around.h"
 #include "host/reference/lamp_light.h"
 #include "host/reference/plan_nodes.h"
 #include "host/reference/spread.h"
 #include "kernels/sampling/sampler.h"
 #include "scene_compiler/matter.h"
-#include "scene_compiler/shape_energy.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::reference {
 
@@ -49,6 +50,12 @@ struct BouncedLight::Walk {
     return static_cast<double>(
         rc_unit_float(rc_hash(static_cast<std::uint32_t>(seed), pixel, path, kFirstDraw + drawn++)));
   }
+  /// False: nothing is left to carry.
+  bool carry(double factor, const Spectrum& times) {
+    double most = 0;
+    for (std::size_t i = 0; i < carried.size(); ++i) most = std::max(most, carried[i] *= factor * times[i]);
+    return most > 0;
+  }
   void add(std::size_t source, double scalar, const Spectrum& times) {
     for (std::size_t i = 0; i < carried.size(); ++i) gained[source][i] += scalar * carried[i] * times[i];
   }
@@ -58,12 +65,9 @@ BouncedLight::BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, 
     : scene_(scene), plan_(plan), levels_(levels), curve_(curves_on(scene.compiled, plan.wavelength_um)) {
   if (plan.environment.empty()) return;
   ground_.assign(plan.wavelength_um.size(), 0.0);
-  for (std::size_t m = 0; m < plan.environment.mean.size(); ++m) {
-    if (!(plan.environment.mean[m] > 0)) continue;
-    const Spectrum& reflectance = curve_[scene::reflectance_curve(scene.compiled, m) - 1];
-    const double share = plan.environment.mean[m] * scene::white_sky_albedo(scene.compiled.materials[m].front);
-    for (std::size_t i = 0; i < ground_.size(); ++i) ground_[i] += share * reflectance[i];
-  }
+  const Reflectances albedo = ground_albedos(scene.compiled, plan.wavelength_um);
+  for (std::size_t m = 0; m < plan.environment.mean.size(); ++m)
+    for (std::size_t i = 0; i < ground_.size(); ++i) ground_[i] += plan.environment.mean[m] * albedo[m][i];
   for (int a = 0; a < kOpenSteps; ++a)
     for (int b = 0; b < kOpenSteps; ++b) {
       const auto light = sky_light(plan, by_cosine({0, 0, 1}, (a + 0.5) / kOpenSteps, (b + 0.5) / kOpenSteps));
@@ -72,15 +76,21 @@ BouncedLight::BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, 
     }
 }
 
-BouncedLight::Spectrum BouncedLight::scattered(const Sample& side) const {
+BouncedLight::Spectrum BouncedLight::scattered(const Sample& side, const glm::dvec3& from) const {
   Spectrum out(plan_.wavelength_um.size(), 0.0);
-  scene::for_each_material(scene::matter_of(scene_.compiled, side.hit.primitive),
-                           [&](std::size_t material, float fraction) {
-                             const auto id = rc_curve_id(rc_curve_of_side(side.side), static_cast<rc_id>(material),
-                                                         scene::material_count(scene_.compiled));
-                             for (std::size_t i = 0; i < out.size(); ++i)
-                               out[i] += static_cast<double>(fraction) * curve_[id - 1][i];
-                           });
+  const scene::CompiledScene& scene = scene_.compiled;
+  const auto add = [&](std::size_t material, double times, rc_id role) {
+    const auto id = rc_curve_id(role, static_cast<rc_id>(material), scene::material_count(scene));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += times * curve_[id - 1][i];
+  };
+  scene::for_each_material(scene::matter_of(scene, side.hit.primitive), [&](std::size_t material, float fraction) {
+    add(material, static_cast<double>(fraction) * spread(scene, side, from), rc_curve_of_side(side.side));
+    const auto& further = scene.materials[material].further;
+    for (std::size_t t = 0; t < further.size() && side.side != RC_FAR_SIDE; ++t)
+      if (scene::is_gloss(further[t].shape) == (side.side == RC_GLOSS_SIDE))
+        add(material, static_cast<double>(fraction) * spread(further[t].shape, side, from),
+            RC_CURVE_FURTHER + static_cast<rc_id>(t));
+  });
   return out;
 }
 
@@ -88,8 +98,7 @@ void BouncedLight::add_sun(const SampledPixel& at, Walk& walk) const {
   if (plan_.sun_sources == 0) return;
   for (const bool through : {false, true}) {
     const Sample* side = side_of(at, through);
-    if (side && side->sun_visible)
-      walk.add(0, side->cos_sun * spread(scene_.compiled, *side, to_double(plan_.sun_direction)), scattered(*side));
+    if (side && side->sun_visible) walk.add(0, side->cos_sun, scattered(*side, to_double(plan_.sun_direction)));
   }
 }
 
@@ -99,9 +108,8 @@ void BouncedLight::add_lamps(const SampledPixel& at, Walk& walk) const {
     const Sample* side = plan_.lamps.sources() > 0 ? side_of(at, through) : nullptr;
     if (side == nullptr) continue;
     const double v = walk.draw(), w = walk.draw();
-    const std::vector<double> light = some_lamplight(scene_, plan_, *side, v, w);
-    for (std::size_t m = 0; m < light.size(); ++m)
-      if (light[m] > 0) walk.add(first + m, light[m], scattered(*side));
+    for (const LampLight& light : some_lamplight(scene_, plan_, *side, v, w))
+      walk.add(first + light.source, light.irradiance, scattered(*side, light.direction));
   }
 }
 
@@ -132,10 +140,9 @@ bool BouncedLight::mirror(const Sample& gloss, Walk& walk) const {
   // Facets' density D cos; mirrored ways' is that over 4 turn (Walter et al. 2007, equation 38).
   const double slope = 1 + tan * tan / (a * a);
   const double density = cosine / (std::numbers::pi * a * a * std::pow(cosine, 4) * slope * slope) / (4 * turn);
-  const double factor = spread(scene_.compiled, gloss, walk.way) * facing / (std::numbers::pi * density);
-  const Spectrum curve = scattered(gloss);
-  for (std::size_t i = 0; i < curve.size(); ++i) walk.carried[i] *= factor / kByGloss * curve[i];
-  return factor > 0;
+  const double factor = facing / (std::numbers::pi * density * kByGloss);
+  const Spectrum sent = scattered(gloss, walk.way);
+  return walk.carry(factor, sent);
 }
 
 bool BouncedLight::turn(const SampledPixel& at, Walk& walk) const {
@@ -146,10 +153,9 @@ bool BouncedLight::turn(const SampledPixel& at, Walk& walk) const {
   const double u = walk.draw(), v = walk.draw();
   walk.way = by_cosine(side.normal, u, v);
   walk.from = side;
-  const double factor = (leaf ? 2 : 1) / (glossy ? 1 - kByGloss : 1) * spread(scene_.compiled, side, walk.way);
-  const Spectrum curve = scattered(side);
-  for (std::size_t i = 0; i < curve.size(); ++i) walk.carried[i] *= factor * curve[i];
-  return factor > 0;
+  const double factor = (leaf ? 2 : 1) / (glossy ? 1 - kByGloss : 1);
+  const Spectrum sent = scattered(side, walk.way);
+  return walk.carry(factor, sent);
 }
 
 SampledPixel BouncedLight::stand(const Walk& walk, const Hit& hit) const {

@@ -22,8 +22,9 @@ class BouncedLight {
   struct Walk;
   using Spectrum = std::vector<double>;  ///< on the plan's grid
 
-  /// Share of the light falling onto a side that goes to the path's viewer: its materials' curves by their fractions.
-  Spectrum scattered(const Sample& side) const;
+  /// Of light that falls onto a side from a direction, what goes to the path's viewer over Lambert's law: its
+  /// materials' curves by their fractions and shapes.
+  Spectrum scattered(const Sample& side, const glm::dvec3& from) const;
   void add_sun(const SampledPixel& at, Walk& walk) const;
   void add_lamps(const SampledPixel& at, Walk& walk) const;
   void add_sky(const glm::dvec3& way, Walk& walk) const;

@@ -9,6 +9,7 @@
 #include "host/reference/radiance.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/shape_energy.h"
+#include "scene_compiler/spectral_shape.h"
 #include "host/base/units.h"
 
 namespace raycube::reference {
@@ -29,9 +30,17 @@ constexpr int kPlaces = 1024;     ///< around a pixel, for each environment func
 
 Reflectances ground_albedos(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um) {
   Reflectances out = curves_on(scene, wavelength_um);
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    const scene::Material& material = scene.materials[m];
+    for (const double share = scene::white_sky_albedo(material.front); double& value : out[m]) value *= share;
+    for (std::size_t t = 0; t < material.further.size(); ++t) {
+      if (scene::is_gloss(material.further[t].shape)) continue;
+      const double share = scene::white_sky_albedo(material.further[t].shape);
+      const std::vector<double>& curve = out[scene::further_curve(scene, m, t) - 1];
+      for (std::size_t i = 0; i < curve.size(); ++i) out[m][i] += share * curve[i];
+    }
+  }
   out.resize(scene.materials.size());
-  for (std::size_t m = 0; m < out.size(); ++m)
-    for (const double share = scene::white_sky_albedo(scene.materials[m].front); double& value : out[m]) value *= share;
   return out;
 }
 

@@ -134,7 +134,7 @@ LampDraws lamp_draws(const ReferenceScene& scene, const plan::Plan& plan, std::u
                      std::uint32_t number, std::uint32_t source, const Sample& side) {
   const std::size_t first = plan.lamps.first[source], end = plan.lamps.first[source + 1];
   float u = 0, v = 0, w = 0;
-  rc_lamp_draws(plan.sky.hash_seed(seed), pixel, source, side.side, number, &u, &v, &w);
+  rc_lamp_draws(plan.sky.hash_seed(seed), pixel, source, side.rays, number, &u, &v, &w);
   LampDraws out;
   double all = 0;
   std::vector<double> upto;  // of the lamps' chances
@@ -164,14 +164,14 @@ LampDraws lamp_draws(const ReferenceScene& scene, const plan::Plan& plan, std::u
   return out;
 }
 
-std::vector<double> some_lamplight(const ReferenceScene& scene, const plan::Plan& plan, const Sample& side, double v,
-                                   double w) {
-  std::vector<double> out(static_cast<std::size_t>(plan.lamps.sources()), 0.0);
+std::vector<LampLight> some_lamplight(const ReferenceScene& scene, const plan::Plan& plan, const Sample& side, double v,
+                                      double w) {
+  std::vector<LampLight> out;
   for (const shared::Lamp& lamp : plan.lamps.lamp) {
     const glm::dvec3 at = point_of(lamp, v, w), way = at - side.point;
     const double irradiance = irradiance_from(plan.lamps, lamp, at, side);
     if (irradiance > 0 && scene.sees(side, way, limit_of(lamp, way)))
-      out[lamp.source] += irradiance * spread(scene.compiled, side, glm::normalize(way));
+      out.push_back({lamp.source, irradiance, glm::normalize(way)});
   }
   return out;
 }

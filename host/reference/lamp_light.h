@@ -1,6 +1,7 @@
 // Light of lamps on one side of a sample's surface: by the draw that the device makes, and by all lamps at once.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "host/reference/sampled_pixel.h"
@@ -31,8 +32,14 @@ LampDraws lamp_draws(const ReferenceScene& scene, const plan::Plan& plan, std::u
 /// Irradiance of every source, with shapes times pi f: of every lamp in sight, surfaces by 64 points each.
 std::vector<double> all_lamplight(const ReferenceScene& scene, const plan::Plan& plan, const Sample& side);
 
-/// The same by one point of each surface, v and w in [0, 1): right in the mean of many.
-std::vector<double> some_lamplight(const ReferenceScene& scene, const plan::Plan& plan, const Sample& side, double v,
-                                   double w);
+/// Light of a lamp that a side sees.
+struct LampLight {
+  std::uint32_t source = 0;
+  double irradiance = 0;    ///< W m-2 of the source's spectrum
+  glm::dvec3 direction{0};  ///< unit, to the lamp
+};
+/// By one point of each surface, v and w in [0, 1): right in the mean of many.
+std::vector<LampLight> some_lamplight(const ReferenceScene& scene, const plan::Plan& plan, const Sample& side, double v,
+                                      double w);
 
 }  // namespace raycube::reference

@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "kernels/sampling/sampler.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::reference {
 
@@ -143,13 +144,24 @@ void ReferenceScene::place(SampledPixel& pixel, std::size_t sample, const plan::
   if (!pixel.glosses.empty()) {
     Sample& gloss = pixel.glosses[sample];
     gloss = near;
-    gloss.side = RC_GLOSS_SIDE;
+    gloss.side = gloss.rays = RC_GLOSS_SIDE;
     if (!near.hit.miss() && scene::gloss_of(compiled, near.hit.primitive) == nullptr) gloss.hit = {};
+  }
+  const auto lobes = static_cast<std::size_t>(plan.matter.further);
+  for (std::size_t number = 0; number < lobes && !pixel.further.empty(); ++number) {
+    Sample& lobe = pixel.further[number * (pixel.further.size() / lobes) + sample];
+    lobe = near;
+    lobe.side = RC_FURTHER_SIDE + static_cast<rc_id>(number);
+    const scene::FurtherLobe* of = near.hit.miss() ? nullptr : scene::further_of(compiled, near.hit.primitive, number);
+    if (of == nullptr)
+      lobe.hit = {};
+    else
+      lobe.rays = scene::is_gloss(of->shape) ? RC_GLOSS_SIDE : RC_NEAR_SIDE;
   }
   if (pixel.far_sides.empty()) return;
   Sample& far = pixel.far_sides[sample];
   far = near;
-  far.side = RC_FAR_SIDE;
+  far.side = far.rays = RC_FAR_SIDE;
   far.sun_visible = false;
   if (near.hit.miss()) return;
   if (!scene::lets_light_through(compiled, near.hit.primitive)) {
@@ -176,6 +188,7 @@ SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, c
   const std::vector<double> weights = sample_weights(instrument);
   if (plan.matter.through) pixel.far_sides.resize(weights.size());
   if (plan.matter.glossy) pixel.glosses.resize(weights.size());
+  pixel.further.resize(weights.size() * static_cast<std::size_t>(plan.matter.further));
   for (std::size_t s = 0; s < weights.size(); ++s) {
     Sample sample;
     sample.ray = pixel_ray(instrument, seed, address, static_cast<int>(s));

@@ -32,10 +32,12 @@ struct Sample {
   Ray ray;
   double weight = 0;  ///< of the point spread; a pixel's weights sum to 1
   Hit hit;
-  glm::dvec3 point{0};       ///< m, scene frame
-  glm::dvec3 normal{0};      ///< unit, turned to the viewer
-  rc_id side = 0;            ///< of the surface (product_key.h): 0 seen; 1 the far one, its normal turned away; 2 gloss
-  double cos_sun = 0;        ///< n . s
+  glm::dvec3 point{0};   ///< m, scene frame
+  glm::dvec3 normal{0};  ///< unit, turned to the viewer
+  rc_id side =
+      0;  ///< of the surface (product_key.h): 0 seen; 1 the far one, its normal turned away; 2 gloss; further lobes
+  rc_id rays = 0;      ///< side whose rays and draws it shares: of further lobes that of their shape, else its own
+  double cos_sun = 0;  ///< n . s
   bool sun_visible = false;  ///< meaningful where cos_sun > 0
 };
 
@@ -45,15 +47,18 @@ struct SampledPixel {
   glm::dvec3 to_sensor{0};   ///< unit vector target -> sensor of the pixel's centre ray
   std::vector<Sample> samples;
   /// Of the samples, in their order: where matter lets light through the far sides, where some is glossy the near ones
-  /// as their gloss has it; else empty. A side without either has hit nothing.
-  std::vector<Sample> far_sides, glosses;
+  /// as their gloss has it; else empty. A side without either has hit nothing. Then likewise each further lobe.
+  std::vector<Sample> far_sides, glosses, further;
 
-  /// Sides of the samples' surfaces: the near ones, the far ones, the glosses. Side i is of sample i % samples.size().
-  std::size_t sides() const { return samples.size() + far_sides.size() + glosses.size(); }
+  /// Sides of the samples' surfaces: the near ones, the far ones, the glosses, further lobes. Side i is of sample
+  /// i % samples.size().
+  std::size_t sides() const { return samples.size() + far_sides.size() + glosses.size() + further.size(); }
   const Sample& side(std::size_t i) const {
     if (i < samples.size()) return samples[i];
     i -= samples.size();
-    return i < far_sides.size() ? far_sides[i] : glosses[i - far_sides.size()];
+    if (i < far_sides.size()) return far_sides[i];
+    i -= far_sides.size();
+    return i < glosses.size() ? glosses[i] : further[i - glosses.size()];
   }
   Sample& side(std::size_t i) { return const_cast<Sample&>(std::as_const(*this).side(i)); }
 };

@@ -49,7 +49,7 @@ glm::dvec3 viewer_of(const Sample& side) {
 double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side,
                   const glm::dvec3& direction) {
   const double law = law_density(plan, side.normal, direction);
-  if (side.side != RC_GLOSS_SIDE) return law;
+  if (side.rays != RC_GLOSS_SIDE) return law;
   const double a = scene::gloss_of(scene, side.hit.primitive)->parameter[0];
   const glm::dvec3 facet = glm::normalize(viewer_of(side) + direction);
   const double cosine = glm::dot(facet, side.normal), turn = glm::dot(facet, direction);
@@ -63,7 +63,7 @@ double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, con
 ::SkyRay ray_of(const scene::CompiledScene& scene, const SkyDensity& law, rc_u32 seed, rc_u32 pixel, rc_u32 number,
                 const Sample& side) {
   const glm::vec3 n(side.normal), v(viewer_of(side));
-  if (side.side != RC_GLOSS_SIDE) return rc_sky_ray(law, seed, pixel, number, n.x, n.y, n.z);
+  if (side.rays != RC_GLOSS_SIDE) return rc_sky_ray(law, seed, pixel, number, n.x, n.y, n.z);
   const auto roughness = static_cast<float>(scene::gloss_of(scene, side.hit.primitive)->parameter[0]);
   return rc_gloss_way(law, roughness, seed, pixel, number, n.x, n.y, n.z, v.x, v.y, v.z);
 }
@@ -138,7 +138,7 @@ std::array<double, 8> sky_light(const plan::Plan& plan, const glm::dvec3& direct
 }
 
 double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side) {
-  if (side.side == RC_GLOSS_SIDE) return 0;
+  if (side.rays == RC_GLOSS_SIDE) return 0;
   return static_cast<double>(plan.sky.known(scene::surface_of(scene, side.hit.primitive)));
 }
 

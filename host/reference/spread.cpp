@@ -12,8 +12,13 @@ double spread(const scene::CompiledScene& scene, const Sample& sample, const glm
   if (sample.side == RC_FAR_SIDE) return 1;
   const std::uint32_t first = scene::matter_of(scene, sample.hit.primitive).material[0];
   if (first == 0) return 1;
-  const scene::Shape& shape =
-      sample.side == RC_GLOSS_SIDE ? *scene::gloss_of(scene, sample.hit.primitive) : scene.materials[first - 1].front;
+  if (sample.side == RC_GLOSS_SIDE) return spread(*scene::gloss_of(scene, sample.hit.primitive), sample, direction);
+  if (sample.side == RC_NEAR_SIDE) return spread(scene.materials[first - 1].front, sample, direction);
+  return spread(scene::further_of(scene, sample.hit.primitive, sample.side - RC_FURTHER_SIDE)->shape, sample,
+                direction);
+}
+
+double spread(const scene::Shape& shape, const Sample& sample, const glm::dvec3& direction) {
   if (shape.number == RC_SHAPE_lambert) return 1;
   const glm::dvec3 viewer =
       -glm::normalize(glm::dvec3(sample.ray.direction[0], sample.ray.direction[1], sample.ray.direction[2]));

@@ -46,12 +46,13 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   warm_path_ = !no_air && table.has("path_radiance_thermal");
   warm_sky_ = !no_air && table.has("sky_radiance_thermal");
   // What matter emits goes by 1 - reflectance - transmittance: each curve its part.
-  for (std::uint32_t curve = 1; curve <= scene::curve_count(scene.compiled); ++curve) {
+  const std::uint32_t count = scene::curve_count(scene.compiled);
+  for (std::uint32_t curve = 1; curve <= count; ++curve) {
     std::vector<double>& light = emitted_.emplace_back();
     const double kelvin = scene.compiled.materials[scene::material_of_curve(scene.compiled, curve)].temperature_K;
     const rc_id role = rc_curve_role(curve, scene::material_count(scene.compiled));
     const double black = role == RC_CURVE_REFLECTANCE ? 1 : 0;
-    for (std::size_t i = 0; kelvin > 0 && role != RC_CURVE_GLOSS && i < plan.wavelength_um.size(); ++i)
+    for (std::size_t i = 0; kelvin > 0 && role < RC_CURVE_GLOSS && i < plan.wavelength_um.size(); ++i)
       light.push_back((black - curve_[curve - 1][i]) * base::planck_radiance(plan.wavelength_um[i], kelvin));
   }
   if (no_air && !plan.thermal.on) return;  // nothing comes from anywhere but the sun
@@ -134,7 +135,7 @@ std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
   const shared::Surface& s = scene_.compiled.surfaces[surface];
   for (int m = 0; m < 4; ++m) {
     if (s.material[m] == 0) continue;
-    for (rc_id role = 0; role < RC_CURVE_ROLES; ++role) {
+    for (rc_id role = 0; role < scene::curve_roles(scene_.compiled); ++role) {
       const std::size_t curve = rc_curve_id(role, s.material[m] - 1, scene::material_count(scene_.compiled)) - 1;
       const std::vector<double>&rho = curve_[curve], &own = emitted_[curve];
       for (std::size_t i = 0; i < out.size(); ++i)

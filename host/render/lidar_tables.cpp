@@ -78,6 +78,9 @@ void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene
   tables.options +=
       define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
   if (shaped) tables.options += define("RC_SHAPED", 1);
+  // Of materials that no pulse meets: those that one may meet are refused.
+  if (const std::uint32_t further = scene::curve_roles(scene) - RC_CURVE_ROLES; further > 0)
+    tables.options += define("RC_FURTHER_RECORDS", further);
 }
 
 void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {

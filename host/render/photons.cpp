@@ -18,6 +18,7 @@ std::string program_options(const scene::CompiledScene& scene, const SceneBuffer
   const scene::CameraMatter matter = scene::camera_matter(scene);
   std::string out = "-cl-std=CL1.2 -DRC_STACK=" + std::to_string(scene.stack_bound());
   if (matter.shaped) out += " -DRC_SHAPED=1";
+  if (matter.further_records > 0) out += " -DRC_FURTHER_RECORDS=" + std::to_string(matter.further_records);
   if (matter.through) out += " -DRC_THROUGH=1";
   return out + buffers.options;
 }

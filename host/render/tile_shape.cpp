@@ -80,6 +80,8 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   if (shape.matter.shaped) both("RC_SHAPED", 1);
   if (shape.matter.through) both("RC_THROUGH", 1);
   if (shape.matter.glossy) both("RC_GLOSSY", 1);
+  if (shape.matter.further > 0) both("RC_FURTHER", shape.matter.further);
+  if (shape.matter.further_records > 0) both("RC_FURTHER_RECORDS", shape.matter.further_records);
   trace("RC_NU", shape.samples_u);
   trace("RC_NV", shape.samples_v);
   trace("RC_SAMPLER", static_cast<int>(shape.sampler));

@@ -26,7 +26,11 @@ Origin origin_of(const plan::Plan& plan, const scene::CompiledScene& scene, cons
   if (kind == path || kind == between_surfaces || kind == ground_around) return {kind, 0, 0};
   const std::uint32_t member = rc_key_curve(term.key, 0);
   // Members of a family are one material, and their curves follow one another.
-  const std::uint32_t curve = member - scene.materials[scene::material_of_curve(scene, member)].in_family;
+  const std::uint32_t first = scene::material_of_curve(scene, member),
+                      material = first - scene.materials[first].in_family;
+  const std::uint32_t curve = scene::is_of_front(scene, member)   ? scene::reflectance_curve(scene, material)
+                              : scene::is_of_gloss(scene, member) ? scene::gloss_curve(scene, material)
+                                                                  : scene::transmittance_curve(scene, material);
   if (kind == emission)  // a leaf's is 1 less both of its curves
     return {kind, scene::reflectance_curve(scene, scene::material_of_curve(scene, curve)), 0};
   const int component = static_cast<int>(term.channel) / (plan.height.count * plan.view.count) - plan.first_component();

@@ -23,6 +23,7 @@
 #include "scene_compiler/counter_random.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::run {
 
@@ -102,8 +103,9 @@ PhotonScene photon_scene(const scene::Simulation& simulation, const scene::Light
       out.material[m].through = plan::sample_curve(material, material.transmittance, plan.wavelength_um);
   }
   const auto lobes = scene::surface_lobes(scene);
+  const std::size_t further = scene::most_further(scene);
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
-    out.shaped.push_back(!lobes.empty() && lobes[s * RC_LOBES].shape != RC_SHAPE_lambert);
+    out.shaped.push_back(!lobes.empty() && lobes[s * (RC_LOBES + further)].shape != RC_SHAPE_lambert);
   return out;
 }
 
@@ -304,11 +306,16 @@ void check_budget(const scene::Simulation& simulation, const scene::LightBudget&
     const scene::Material& material = scene.materials[m];
     const bool glossy = material.gloss.number != RC_SHAPE_none,
                plate = !material.transmittance.value.empty() && !scene::lets_light_through(material);
-    if (glossy || plate)
+    const bool changing = !material.front_nodes.empty();
+    if (glossy || plate || changing)
       throw base::Error(base::Fault::input,
                         fmt::format("budget '{}' follows light by what matter scatters into all directions (found {} "
                                     "of material '{}'); give it a reflectance, and of a leaf a transmittance, alone",
-                                    budget.name, glossy ? "the gloss" : "light that goes straight on", material.name));
+                                    budget.name,
+                                    glossy  ? "the gloss"
+                                    : plate ? "light that goes straight on"
+                                            : "a shape that changes with wavelength",
+                                    material.name));
   }
 }
 

@@ -7,54 +7,13 @@
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/surface_side.h"
 #include "kernels/light/far_side.h"
+#include "kernels/light/shape_slots.h"
 #include "kernels/shared/camera_arguments.h"
 
 /* Corners of the samples' triangles, and the direction and origin of their rays. */
 typedef struct Gathered {
   float corner[9][16], origin[3][16], direction[3][16];
 } RC_LINE Gathered;
-
-#if RC_SHAPED
-static inline void rc_store_viewer(Vector16 direction, global float* out) {
-  const float16 over = -1.0f / sqrt(rc_dot16(direction, direction));
-  rc_store16(over * direction.x, 0, out + RC_PLANE(RC_VIEWER_X));
-  rc_store16(over * direction.y, 0, out + RC_PLANE(RC_VIEWER_Y));
-  rc_store16(over * direction.z, 0, out + RC_PLANE(RC_VIEWER_Z));
-}
-
-/* Way to the viewer and shape of a word of samples; in: its slots of hits. */
-static inline void rc_store_shapes(SceneArrays scene, global const uint* in, Vector16 direction, global float* out) {
-  rc_store_viewer(direction, out);
-  for (uint k = 0; k < 16u; ++k) {
-    uint at = 0u;
-    if (in[k] != RC_NONE) at = 1u + rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBES;
-    out[RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
-  }
-}
-#endif
-
-#if RC_GLOSSY
-/* A word's slots of what comes by gloss: of the near side, whose surfaces have one. */
-static inline void rc_store_gloss(SceneArrays scene, global const Lobe* lobes, global const uint* in,
-                                  Vector16 direction, const SurfaceSide16* near, global float* out,
-                                  global float* moved) {
-  SurfaceSide16 side;
-  uint glossy = 0;
-  rc_store_viewer(direction, out);
-  for (uint k = 0; k < 16u; ++k) {
-    uint at = 0u;
-    if (in[k] != RC_NONE) {
-      const uint first = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBES;
-      for (uint i = 1; i < RC_LOBE_BEHIND; ++i)
-        if (lobes[first + i].share > 0.0f) at = 1u + first + i, glossy |= 1u << k;
-    }
-    out[RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
-  }
-  rc_clear_side(&side);
-  rc_take_side(near, rc_bits16(glossy), &side);
-  rc_store_side(&side, out, moved);
-}
-#endif
 
 RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) {
   SceneArrays scene;
@@ -123,6 +82,9 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
 #if RC_GLOSSY
       rc_store_gloss(scene, lobes, in, direction, &near, out + RC_SLOT_OF(0u, RC_GLOSS_SIDE),
                      moved + RC_SLOT_OF(0u, RC_GLOSS_SIDE));
+#endif
+#if RC_FURTHER
+      rc_store_further(scene, lobes, in, direction, &near, out, moved);
 #endif
     }
 }

@@ -33,7 +33,7 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
 
   const OpenSky sky = {irradiance_map, (int)map_size, tilt_irradiance, open_share};
   ShadedSamples samples;
-  rc_light_of_samples(scene, &traced, &sky, height_first, height_step, &samples);
+  rc_light_of_samples(scene, &traced, lobes, &sky, height_first, height_step, &samples);
   TruthSums sums;
   rc_clear_truth(&sums);
   for (int g = 0; g < RC_WORDS; ++g) {

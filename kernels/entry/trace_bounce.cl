@@ -1,9 +1,7 @@
-/* Reads: hits, surface points of make_surface, the scene and its ground's skyline, its curves at the skeleton
- * wavelengths, the sky's maps.
- * Writes: by pixel and part of its samples, what light of the sun and its sky that was scattered at least twice adds,
- * at each skeleton wavelength: radiance per unit of both together (plan::Bounces::together), times pi; then what light
- * of lamps does, by their sources. Next: resolve.
- */
+/* Reads: hits, surface points of make_surface, the scene, its ground's skyline and curves at the skeleton wavelengths,
+ * the sky's maps. Writes: by pixel and part of its samples, what light of the sun and its sky that was scattered at
+ * least twice adds, at each skeleton wavelength: radiance per unit of both together (plan::Bounces::together), times
+ * pi; then what light of lamps does, by their sources. Next: resolve. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/light/bounce.h"
 #include "kernels/geometry/samples.h"
@@ -48,13 +46,15 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     rc_put_ray(&paths->rays, k, (float4)(first->rays.x[i], first->rays.y[i], first->rays.z[i], 0.0f), way);
     const bool meets = rc_meets(scene, paths, k);
     if (!meets && way.z > 0.0f) continue;
-    float unit[RC_SKELETON], factor = first->weight[i];
+    float unit[RC_SKELETON], factor = first->weight[i], more[1 + RC_FURTHER];
     for (uint m = 0; m < RC_SKELETON; ++m) unit[m] = 1.0f;
+    rc_further_factors(t->lobes, in + RC_SURFACE_AT(first->pixel[i]), first->slot[i], first->side[i], way, factor,
+                       more);
 #if RC_SHAPED
     if (first->side[i] != RC_FAR_SIDE)
       factor *= rc_spread(t->lobes, in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
 #endif
-    rc_carry_on(scene, t, first->surface[i], first->side[i], factor, unit, paths->carried[k]);
+    rc_carry_on(scene, t, first->surface[i], first->side[i], factor, more, unit, paths->carried[k]);
     for (uint m = 0; m < RC_GLOW_WIDTH; ++m) paths->gained[k][m] = 0.0f;
     paths->reach[k] = first->side[i] == RC_GLOSS_SIDE ? 1.0f : t->scattering[first->surface[i]].y;
     paths->pixel[k] = first->pixel[i], paths->part[k] = first->part[i];

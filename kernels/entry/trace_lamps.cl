@@ -19,7 +19,7 @@ RC_BODY trace_lamps_body(uint index, RC_PARAMETERS(RC_TRACE_LAMPS_ARGUMENTS)) {
     global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
     global float* out = met_sky + RC_MET_SKY_AT(place.pixel + p) + RC_PLANE(RC_COMPONENTS);
     for (uint word = 0; word < RC_LAMPS * RC_WORDS; ++word) rc_store16((float16)(0.0f), word, out);
-    for (uint slot = 0; slot < RC_PADDED_SAMPLES; ++slot) {
+    for (uint slot = 0; slot < RC_OWN_SIDES * RC_NEAR_SAMPLES; ++slot) {
       const uint sample = RC_SAMPLE_OF(slot);
       if (sample >= RC_CHUNK_SAMPLES || ids[sample] == RC_NONE) continue;
       global const float* at = in + slot;
@@ -39,6 +39,13 @@ RC_BODY trace_lamps_body(uint index, RC_PARAMETERS(RC_TRACE_LAMPS_ARGUMENTS)) {
         light *= rc_spread(lobes, at, lamp.direction);
 #endif
         out[RC_PLANE(source) + slot] = light;
+#if RC_FURTHER
+        for (uint number = 0; number < RC_FURTHER; ++number) {
+          const uint other = RC_SLOT_OF(sample, RC_FURTHER_SIDE + number);
+          if (rc_is_further(lobes, in + other, RC_SIDE_OF(slot)))
+            out[RC_PLANE(source) + other] = lamp.irradiance * rc_spread(lobes, in + other, lamp.direction);
+        }
+#endif
       }
     }
   }

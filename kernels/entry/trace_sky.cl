@@ -21,6 +21,11 @@ typedef struct Waiting16 {
   uint count;
 } Waiting16;
 
+/* Adds to a slot what a ray brings of the sky's components. */
+static inline void rc_add_sky(const float* light, float weight, global float* to) {
+  for (uint m = 0; m < RC_COMPONENTS; ++m) to[RC_PLANE(m)] = fma(weight, light[m], to[RC_PLANE(m)]);
+}
+
 /* Adds what the waiting rays bring, in their order; none is left. ground: its instance; in, met: of the group's first
  * pixel. */
 static inline void rc_meet_sky(SceneArrays scene, global const Lobe* lobes, uint ground, const SkyMap* map,
@@ -33,12 +38,22 @@ static inline void rc_meet_sky(SceneArrays scene, global const Lobe* lobes, uint
     if (open > 0.0f)
       open = rc_spread(lobes, in + RC_SURFACE_AT(waiting->pixel[i]) + waiting->slot[i], (float4)(x, y, z, 0.0f));
 #endif
-    if (open == known) continue;
+    if (RC_FURTHER == 0 && open == known) continue;
     const float weight = waiting->scale[i] * (open - known) * waiting->facing[i] / waiting->density[i];
     float light[RC_SKY_PLANES];
     rc_sky_light(map, x, y, z, light);
-    global float* to = met + RC_MET_SKY_AT(waiting->pixel[i]) + waiting->slot[i];
-    for (uint m = 0; m < RC_COMPONENTS; ++m) to[RC_PLANE(m)] = fma(weight, light[m], to[RC_PLANE(m)]);
+    global float* to = met + RC_MET_SKY_AT(waiting->pixel[i]);
+    rc_add_sky(light, weight, to + waiting->slot[i]);
+#if RC_FURTHER
+    const uint sample = RC_SAMPLE_OF(waiting->slot[i]);
+    for (uint number = 0; number < RC_FURTHER; ++number) {
+      const uint slot = RC_SLOT_OF(sample, RC_FURTHER_SIDE + number);
+      global const float* at = in + RC_SURFACE_AT(waiting->pixel[i]) + slot;
+      if (!rc_is_further(lobes, at, RC_SIDE_OF(waiting->slot[i]))) continue;
+      const float seen = hidden >> i & 1u ? 0.0f : rc_spread(lobes, at, (float4)(x, y, z, 0.0f));
+      rc_add_sky(light, waiting->scale[i] * (seen - known) * waiting->facing[i] / waiting->density[i], to + slot);
+    }
+#endif
   }
   waiting->count = waiting->clear = 0;
 }
@@ -87,7 +102,7 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
         const uint sample = rc_sky_sample(share, RC_NU, samples, rays, seed, number, part, ray) - first_sample;
         if (sample >= sample_count || ids[sample] == RC_NONE) continue;
         const float granted = open_share[rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample])];
-        for (uint slot = sample; slot < RC_PADDED_SAMPLES; slot += RC_NEAR_SAMPLES) {
+        for (uint slot = sample; slot < RC_OWN_SIDES * RC_NEAR_SAMPLES; slot += RC_NEAR_SAMPLES) {
           global const float* at = in + slot;
           const bool gloss = RC_SIDE_OF(slot) == RC_GLOSS_SIDE;
           const float known = gloss ? 0.0f : granted;

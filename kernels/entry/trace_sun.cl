@@ -6,6 +6,12 @@
 #include "kernels/light/sun_points.h"
 #include "kernels/shared/camera_arguments.h"
 
+/* Whether a word of a group's slots is of a further lobe, which sees the sun as its near side does; its word. */
+static inline bool rc_word_of_further(uint word) {
+  return RC_FURTHER > 0 && word % RC_WORDS >= RC_OWN_SIDES * RC_NEAR_WORDS;
+}
+static inline uint rc_word_of_near(uint word) { return word - word % RC_WORDS + word % RC_WORDS % RC_NEAR_WORDS; }
+
 RC_BODY trace_sun_body(uint index, RC_PARAMETERS(RC_TRACE_SUN_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
@@ -22,13 +28,19 @@ RC_BODY trace_sun_body(uint index, RC_PARAMETERS(RC_TRACE_SUN_ARGUMENTS)) {
   points.costly = 0;
   rc_gather_points(in, place.used, &points);
   for (uint word = 0; word < points.words; ++word)
-    points.live[word] = rc_mask16(rc_cosines(direction, rc_surface_word(in, word)) > 0.0f);
+    points.live[word] =
+        rc_word_of_further(word) ? 0u : rc_mask16(rc_cosines(direction, rc_surface_word(in, word)) > 0.0f);
   const Skyline skyline = RC_GATHER_SKYLINE();
   points.ground = rc_ground_passed(scene, &skyline, hits + RC_HITS_AT(place.pixel), direction, &points);
   rc_shadow_points(scene, direction, &points);
-  for (uint word = 0; word < points.words; ++word) seen[word] = (ushort)points.live[word];
+  for (uint word = 0; word < points.words; ++word)
+    seen[word] = (ushort)points.live[rc_word_of_further(word) ? rc_word_of_near(word) : word];
 #else
   for (uint word = 0; word < place.used * RC_WORDS; ++word) {
+    if (rc_word_of_further(word)) { /* behind its near side's */
+      seen[word] = seen[rc_word_of_near(word)];
+      continue;
+    }
     global const float* at = rc_surface_word(in, word);
     uint lit = rc_mask16(rc_cosines(direction, at) > 0.0f);
     for (uint left = lit; left; left &= left - 1u) {

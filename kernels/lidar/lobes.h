@@ -7,7 +7,7 @@
 
 /* 1/sr per unit of the reflectance curve. */
 static inline float rc_front(const LidarTables* t, uint surface, RcAngles angles) {
-  const Lobe lobe = t->lobes[surface * RC_LOBES];
+  const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE];
   return rc_shape_eval(lobe.shape, 1.0f, rc_parameters(lobe.parameter), angles);
 }
 
@@ -15,7 +15,7 @@ static inline float rc_front(const LidarTables* t, uint surface, RcAngles angles
 static inline float rc_gloss(const LidarTables* t, uint surface, RcAngles angles) {
   float sum = 0.0f;
   for (uint i = 1; i < RC_LOBE_BEHIND; ++i) {
-    const Lobe lobe = t->lobes[surface * RC_LOBES + i];
+    const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + i];
     if (!(lobe.share > 0.0f)) continue;
     sum += rc_shape_eval(lobe.shape, lobe.share, rc_parameters(lobe.parameter), angles);
   }

@@ -16,7 +16,7 @@ static inline float4 rc_draw_direction(const LidarTables* t, uint key, uint ray,
               v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
   const Frame frame = rc_frame(front ? n : -n);
 #if RC_SHAPED
-  const Lobe lobe = t->lobes[surface * RC_LOBES];
+  const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE];
   if (front && lobe.shape != RC_SHAPE_lambert) {
     const RcParameters p = rc_parameters(lobe.parameter);
     const float4 direction = rc_from_frame(frame, rc_shape_sample(lobe.shape, p, rc_to_frame(frame, -way), u, v));

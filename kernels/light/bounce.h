@@ -25,7 +25,7 @@
 
 /* What paths ask of matter and light. */
 typedef struct PathTables {
-  global const Lobe* lobes;           /* [surface][RC_LOBES] */
+  global const Lobe* lobes;           /* [surface][RC_LOBE_STRIDE] */
   global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
   global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
   global const float* source_share;   /* [sun, solar components][RC_SKELETON]: a source's light over that of all */
@@ -52,9 +52,25 @@ typedef struct Paths16 {
   Ends16 ends;
 } RC_LINE Paths16;
 
-/* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried. */
+/* Factors of the further lobes by which a side of a surface scatters, [RC_FURTHER]: `scale` times how many times
+ * Lambert's radiance goes from `in` to `out`. 0 where there are none: of the far side, and of gloss. */
+static inline void rc_more_factors(const PathTables* t, uint surface, uint side, float4 normal, float4 in, float4 out,
+                                   float scale, float* more) {
+#if RC_FURTHER
+  for (uint number = 0; number < RC_FURTHER; ++number) {
+    const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + RC_LOBES + number];
+    more[number] = 0.0f;
+    if (side == RC_NEAR_SIDE && lobe.share > 0.0f && rc_shape_role(lobe.shape) == RC_ROLE_front)
+      more[number] =
+          scale * rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, in, out));
+  }
+#endif
+}
+
+/* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried.
+ * more: factors of further lobes, as `factor` is the first one's; read where there are any. */
 static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surface, uint side, float factor,
-                               const float* carried, float* out) {
+                               const float* more, const float* carried, float* out) {
   global const Surface* s = rc_surface(scene, surface);
   for (uint m = 0; m < RC_SKELETON; m += 16u) {
     float16 curve = 0.0f;
@@ -64,7 +80,19 @@ static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surf
       curve =
           fma((float16)(s->fraction[i]), vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
     }
+#if RC_FURTHER
+    curve *= factor;
+    for (uint i = 0; i < 4u * RC_FURTHER; ++i) {
+      const uint material = s->material[i % 4u], number = i / 4u;
+      if (material == 0u || more[number] == 0.0f) continue;
+      const uint id = rc_curve_id(RC_CURVE_FURTHER + number, material - 1u, RC_MATERIALS);
+      curve = fma((float16)(more[number] * s->fraction[i % 4u]),
+                  vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
+    }
+    vstore16(curve * vload16(0, carried + m), 0, out + m);
+#else
     vstore16(factor * curve * vload16(0, carried + m), 0, out + m);
+#endif
   }
 }
 
@@ -93,12 +121,12 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
   for (uint i = 0; i < count; ++i) {
     if (hidden >> i & 1u) continue;
     const uint k = of[i];
-    float factor = cosine[i];
-    if (side[i] == 0u)
-      factor *=
-          rc_shape_factor(t->lobes, ends->surface[k], rc_lane_of(ends->normal, k), t->sun, -rc_way_of(&paths->rays, k));
+    float factor = cosine[i], more[1 + RC_FURTHER];
+    const float4 normal = rc_lane_of(ends->normal, k), back = -rc_way_of(&paths->rays, k);
+    rc_more_factors(t, ends->surface[k], side[i], normal, t->sun, back, factor, more);
+    if (side[i] == 0u) factor *= rc_shape_factor(t->lobes, ends->surface[k], normal, t->sun, back);
     float light[RC_SKELETON];
-    rc_carry_on(scene, t, ends->surface[k], side[i], factor, paths->carried[k], light);
+    rc_carry_on(scene, t, ends->surface[k], side[i], factor, more, paths->carried[k], light);
     for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = fma(t->source_share[m], light[m], paths->gained[k][m]);
   }
 }
@@ -119,10 +147,12 @@ __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const Pat
           &t->lamps, source, point, side == 0u ? normal : -normal, rc_path_draw(t, number, path, level, draw),
           rc_path_draw(t, number, path, level, draw + 1u), rc_path_draw(t, number, path, level, draw + 2u));
       if (!(lamp.irradiance > 0.0f) || rc_lamp_hidden(scene, from, lamp)) continue;
-      float factor = lamp.irradiance;
-      if (side == 0u) factor *= rc_shape_factor(t->lobes, surface, normal, lamp.direction, -rc_way_of(&paths->rays, k));
+      float factor = lamp.irradiance, more[1 + RC_FURTHER];
+      const float4 back = -rc_way_of(&paths->rays, k);
+      rc_more_factors(t, surface, side, normal, lamp.direction, back, factor, more);
+      if (side == 0u) factor *= rc_shape_factor(t->lobes, surface, normal, lamp.direction, back);
       float light[RC_SKELETON];
-      rc_carry_on(scene, t, surface, side, factor, paths->carried[k], light);
+      rc_carry_on(scene, t, surface, side, factor, more, paths->carried[k], light);
       float* gained = paths->gained[k] + (1u + source) * RC_SKELETON;
       for (uint m = 0; m < RC_SKELETON; ++m) gained[m] += light[m];
     }
@@ -170,11 +200,12 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
       chance *= goes_on;
       paths->reach[k] /= goes_on;
     }
-    float shaped;
-    const float4 way =
-        rc_way_on(t->lobes, surface, through, rc_lane_of(ends->normal, k), rc_way_of(&paths->rays, k),
-                  rc_path_draw(t, number, path, level, 2u), rc_path_draw(t, number, path, level, 3u), &shaped);
-    rc_carry_on(scene, t, surface, through ? 1u : 0u, shaped / chance, paths->carried[k], paths->carried[k]);
+    float shaped, more[1 + RC_FURTHER];
+    const float4 normal = rc_lane_of(ends->normal, k), came = rc_way_of(&paths->rays, k);
+    const float4 way = rc_way_on(t->lobes, surface, through, normal, came, rc_path_draw(t, number, path, level, 2u),
+                                 rc_path_draw(t, number, path, level, 3u), &shaped);
+    rc_more_factors(t, surface, through ? 1u : 0u, normal, way, -came, 1.0f / chance, more);
+    rc_carry_on(scene, t, surface, through ? 1u : 0u, shaped / chance, more, paths->carried[k], paths->carried[k]);
     rc_put_ray(&paths->rays, k, rc_lane_of(through ? ends->back : ends->front, k), way);
     on |= 1u << k;
   }

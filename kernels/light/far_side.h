@@ -8,7 +8,7 @@
 #include "kernels/materials/shapes.h"
 
 static inline bool rc_is_leaf(global const Lobe* lobes, uint surface) {
-  return RC_THROUGH && lobes[surface * RC_LOBES + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
+  return RC_THROUGH && lobes[surface * RC_LOBE_STRIDE + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
 }
 
 #if RC_THROUGH

@@ -32,7 +32,7 @@ static inline float4 rc_way_of(const Rays16* rays, uint k) {
 /* How many times Lambert's radiance goes to `out` of light from `in` on the near side. */
 static inline float rc_shape_factor(global const Lobe* lobes, uint surface, float4 normal, float4 in, float4 out) {
 #if RC_SHAPED
-  const Lobe lobe = lobes[surface * RC_LOBES];
+  const Lobe lobe = lobes[surface * RC_LOBE_STRIDE];
   if (lobe.shape != RC_SHAPE_lambert)
     return rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, in, out));
 #endif

@@ -21,6 +21,15 @@ static inline float rc_spread(global const Lobe* lobes, global const float* at, 
   return rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, direction, viewer));
 }
 
+#if RC_FURTHER
+/* Whether the slot at `at` is of a further lobe whose light comes by `side`: its shape has the role of that side's. */
+static inline bool rc_is_further(global const Lobe* lobes, global const float* at, uint side) {
+  const uint number = as_uint(at[RC_PLANE(RC_LOBE_AT)]);
+  if (number == 0u) return false;
+  return side == (rc_shape_role(lobes[number - 1u].shape) == RC_ROLE_gloss ? RC_GLOSS_SIDE : RC_NEAR_SIDE);
+}
+#endif
+
 /* Of a word of samples, those in `lanes`; else 1. */
 static inline float16 rc_spread16(global const Lobe* lobes, global const float* at, float4 direction, uint lanes) {
   float spread[16];
@@ -28,6 +37,18 @@ static inline float16 rc_spread16(global const Lobe* lobes, global const float* 
   return vload16(0, spread);
 }
 #endif
+
+/* Of a sample's further lobes whose light comes by `side`, `scale` times that; of others 0. at: the pixel's planes of
+ * surface; slot: of the sample's side; direction: where light comes from. */
+static inline void rc_further_factors(global const Lobe* lobes, global const float* at, uint slot, uint side,
+                                      float4 direction, float scale, float* more) {
+#if RC_FURTHER
+  for (uint number = 0; number < RC_FURTHER; ++number) {
+    global const float* here = at + RC_SLOT_OF(RC_SAMPLE_OF(slot), RC_FURTHER_SIDE + number);
+    more[number] = rc_is_further(lobes, here, side) ? scale * rc_spread(lobes, here, direction) : 0.0f;
+  }
+#endif
+}
 
 /* Ray `number` of a pixel from what a sample's slot stands for; at: the slot in the planes of surface. */
 static inline SkyRay rc_slot_ray(SkyDensity law, uint seed, uint pixel, uint number, bool gloss,

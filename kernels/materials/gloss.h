@@ -1,6 +1,7 @@
 /* GGX gloss beside the diffuse reflectance: Walter et al., "Microfacet Models for Refraction through Rough Surfaces",
  * EGSR 2007; Schlick's Fresnel term. p[0]: roughness alpha of the distribution, p[1]: reflectance at normal
- * incidence. */
+ * incidence. By Fresnel's law for an index (scene_compiler/fresnel.h) a gloss is a sum of lobes, p[2] says which: what
+ * stands for Schlick's term is one of four functions of the angle, each with a curve of its own. */
 #ifdef RC_SHAPE
 RC_SHAPE(gloss, gloss, 1, 1, "GGX microfacets.")
 RC_SHAPE_TABLE(gloss, "Gloss beside the diffuse reflectance; cameras ask for a roughness of 0.1 or more.",
@@ -25,18 +26,27 @@ static inline rc_real rc_gloss_facets(rc_real alpha, rc_real cos_half) {
   return a2 * RC_INVERSE_PI / (below * below);
 }
 
+/* What is mirrored, by the cosine between a way and the facet. */
+static inline rc_real rc_gloss_mirrored(RcParameters p, rc_real cosine) {
+  const rc_real f0 = p.of[1], bent = RC_REAL(1.0) - cosine, schlick = bent * bent * bent * bent * bent;
+  if (p.of[2] == RC_REAL(0.0)) return fma(RC_REAL(1.0) - f0, schlick, f0);
+  return p.of[2] == RC_REAL(1.0)   ? RC_REAL(1.0) - schlick
+         : p.of[2] == RC_REAL(2.0) ? schlick
+         : p.of[2] == RC_REAL(3.0) ? cosine * schlick * bent * bent * bent
+                                   : cosine * bent * bent * bent;
+}
+
 /* Masking and shadowing are joined by the angle between the two ways' azimuths (van Ginneken et al. 1998; Heitz 2014,
  * eq. 96): 1 / (1 + max Lambda + m min Lambda), m = 4.41 phi / (4.41 phi + 1). At zero phase what the laser lights is
  * what the receiver sees: masking enters once. */
 static inline rc_real rc_gloss_eval(rc_real scale, RcParameters p, RcAngles a) {
-  const rc_real alpha = p.of[0], f0 = p.of[1];
+  const rc_real alpha = p.of[0];
   if (!(a.cos_in > RC_REAL(1e-4) && a.cos_out > RC_REAL(1e-4))) return 0;
   const rc_real phi = atan2(a.across, a.along), join = RC_REAL(4.41) * phi / fma(RC_REAL(4.41), phi, RC_REAL(1.0));
-  const rc_real bent = RC_REAL(1.0) - a.cos_turn, schlick = bent * bent * bent * bent * bent;
   const rc_real spread = rc_gloss_facets(alpha, a.cos_half);
   const rc_real x = rc_smith(alpha, a.cos_in), y = rc_smith(alpha, a.cos_out);
   const rc_real masking = RC_REAL(1.0) / (RC_REAL(1.0) + fmax(x, y) + join * fmin(x, y));
-  return scale * fma(RC_REAL(1.0) - f0, schlick, f0) * spread * masking / (RC_REAL(4.0) * a.cos_in * a.cos_out);
+  return scale * rc_gloss_mirrored(p, a.cos_turn) * spread * masking / (RC_REAL(4.0) * a.cos_in * a.cos_out);
 }
 
 /* Mirrored at a facet drawn from the distribution (Walter et al. 2007, eqs. 35, 36, 38); below the horizon, z < 0, for

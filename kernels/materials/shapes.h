@@ -6,6 +6,7 @@
 
 #define RC_SHAPE_TABLE(name, text, source)
 #define RC_SHAPE_PARAMETER(name, index, key, unit, low, high, text)
+#define RC_SHAPE_CURVE(name, index)
 enum {
 #define RC_SHAPE(name, role, reciprocal, conserves, text) RC_SHAPE_##name,
 #include "kernels/materials/materials.def"
@@ -13,6 +14,19 @@ enum {
   RC_SHAPE_COUNT,
   RC_SHAPE_none = RC_SHAPE_COUNT
 };
+
+enum { RC_ROLE_front, RC_ROLE_behind, RC_ROLE_gloss };
+static inline unsigned int rc_shape_role(unsigned int shape) {
+  switch (shape) {
+#define RC_SHAPE(name, role, reciprocal, conserves, text) \
+  case RC_SHAPE_##name:                                   \
+    return RC_ROLE_##role;
+#include "kernels/materials/materials.def"
+#undef RC_SHAPE
+    default:
+      return RC_ROLE_front;
+  }
+}
 
 static inline rc_real rc_shape_eval(unsigned int shape, rc_real scale, RcParameters p, RcAngles angles) {
   switch (shape) {
@@ -51,5 +65,6 @@ static inline rc_real rc_shape_pdf(unsigned int shape, RcParameters p, RcAngles 
 }
 #undef RC_SHAPE_TABLE
 #undef RC_SHAPE_PARAMETER
+#undef RC_SHAPE_CURVE
 
 #endif

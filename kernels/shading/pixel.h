@@ -22,7 +22,7 @@ typedef struct PixelRow {
 } PixelRow;
 
 /* A surface's number with one of its sides. */
-#define RC_SIDE_SHIFT 30u
+#define RC_SIDE_SHIFT 27u
 #define RC_SURFACE_MASK ((1u << RC_SIDE_SHIFT) - 1u)
 
 /* What is known of each sample before surfaces are told apart. */

@@ -5,6 +5,7 @@
 
 #include "kernels/atmosphere/nodes.h"
 #include "kernels/geometry/scene_arrays.h"
+#include "kernels/light/spread.h"
 #include "kernels/shading/pixel.h"
 
 #define RC_SOLAR_COMPONENTS (RC_COMPONENTS - RC_THERMAL_COMPONENTS)
@@ -72,9 +73,18 @@ static inline bool rc_scatters(const TracedPixel* traced, int s) {
   return at[RC_PLANE(RC_NORMAL_X)] != 0.0f || at[RC_PLANE(RC_NORMAL_Y)] != 0.0f || at[RC_PLANE(RC_NORMAL_Z)] != 0.0f;
 }
 
+/* Whether a slot stands for what a gloss sends, its first part or a further lobe. */
+static inline bool rc_mirrors(global const Lobe* lobes, global const float* at, uint side) {
+#if RC_FURTHER
+  if (side >= RC_FURTHER_SIDE) return rc_is_further(lobes, at, RC_GLOSS_SIDE);
+#endif
+  return side == RC_GLOSS_SIDE;
+}
+
 /* Surface, place on the height axis and light taken for granted of every sample; zero where nothing was hit. */
-static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* traced, const OpenSky* sky,
-                                       float height_first, float height_step, ShadedSamples* samples) {
+static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* traced, global const Lobe* lobes,
+                                       const OpenSky* sky, float height_first, float height_step,
+                                       ShadedSamples* samples) {
   LastNormal last = {2.0f, 2.0f, 2.0f, (float4)(0.0f)}; /* no unit vector */
   for (int s = 0; s < RC_PADDED_SAMPLES; ++s) {
     uint id = RC_NONE;
@@ -85,7 +95,7 @@ static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* tra
       global const float* at = traced->point + s;
       const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
       const uint surface = rc_surface_of(scene, traced->primitive[RC_SAMPLE_OF(s)]);
-      const bool granted = RC_SIDE_OF(s) != RC_GLOSS_SIDE; /* of gloss nothing is */
+      const bool granted = !rc_mirrors(lobes, at, RC_SIDE_OF(s)); /* of gloss nothing is */
       const float known = RC_COMPONENTS > 0 ? (granted ? sky->open_share[surface] : 0.0f) : 0.0f;
       id = surface | RC_SIDE_OF(s) << RC_SIDE_SHIFT;
       rc_node_weights(at[RC_PLANE(RC_POINT_Z)], height_first, height_step, RC_HEIGHTS, &h, &f);

@@ -19,7 +19,7 @@
 #define RC_MAKE_SURFACE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED (of gloss too) or RC_THROUGH */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED or RC_THROUGH */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   WRITE(rc_float, surface) NEXT() \
@@ -65,7 +65,7 @@
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
@@ -85,7 +85,7 @@
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
@@ -103,7 +103,7 @@
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
   SCENE(Surface, surfaces, SURFACES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED (of gloss too) or RC_THROUGH */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED or RC_THROUGH */ \
   READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T, z of gloss */ \
   READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
   READ(rc_float, source_share) NEXT() /* [sun, solar components][RC_SKELETON]: a source's light over that of all */ \
@@ -133,7 +133,7 @@
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES] */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE] */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
@@ -158,7 +158,7 @@
   READ(rc_float, open_share) NEXT()   /* [surface], as trace_sky had it */ \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Surface, surfaces, SURFACES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED */ \
   READ(rc_float, chunk_weight) NEXT() \
   VALUE(rc_float, sample_total) NEXT() /* samples of a pixel, all chunks */ \
   VALUE(rc_float4, sun_direction) NEXT() \

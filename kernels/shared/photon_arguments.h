@@ -9,7 +9,7 @@
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
-  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED or RC_THROUGH */ \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED or RC_THROUGH */ \
   READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T */ \
   VALUE(rc_uint, count) NEXT() \
   VALUE(rc_uint, level) NEXT()        /* surfaces met, this one counted: from the third on some end by chance */ \

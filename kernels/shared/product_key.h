@@ -4,8 +4,9 @@
  * of one curve is its id, and 0 is the key of light that no surface scattered. Bit 63 is never a key's: rows of the
  * ground around and of the skeleton have it (host/plan/plan.h).
  *
- * A material owns RC_CURVE_ROLES curves. Id of one: role * materials + material + 1, material counted from 0; so the
- * reflectances come first, in the materials' order, and ids say whose they are without a table. */
+ * A material owns RC_CURVE_ROLES curves, and one of each further lobe (spectral_shape.h). Id of one: role * materials +
+ * material + 1, material counted from 0; so the reflectances come first, in the materials' order, and ids say whose
+ * they are without a table. */
 #ifndef RAYCUBE_KERNELS_SHARED_PRODUCT_KEY_H
 #define RAYCUBE_KERNELS_SHARED_PRODUCT_KEY_H
 
@@ -25,13 +26,17 @@ typedef std::uint32_t rc_id;
 #define RC_CURVE_REFLECTANCE 0u
 #define RC_CURVE_TRANSMITTANCE 1u
 #define RC_CURVE_GLOSS 2u
-#define RC_CURVE_ROLES 3u
+#define RC_CURVE_ROLES 3u   /* that every material has; then those of its further lobes */
+#define RC_CURVE_FURTHER 3u /* of shapes that change with wavelength: what further nodes send (spectral_shape.h) */
+#define RC_MOST_NODES 8u    /* of a shape */
 
 /* Ways by which light that falls onto a surface goes to the viewer: from the side that he sees, through from the far
- * one, or from the near one by its gloss. The number of each is its curve's role. */
+ * one, or from the near one by its gloss; then by the further lobes of what the near one reflects or mirrors,
+ * RC_FURTHER_SIDE and on. The number of each is its curve's role. */
 #define RC_NEAR_SIDE 0u
 #define RC_FAR_SIDE 1u
 #define RC_GLOSS_SIDE 2u
+#define RC_FURTHER_SIDE 3u
 static inline rc_id rc_curve_of_side(rc_id side) { return side; }
 
 /* Curve `role` of material `material` (from 0) of `materials`. */

@@ -7,12 +7,18 @@
 #define RC_BLOCK 16         /* triangles per leaf block */
 #define RC_LOBES 6          /* Lobe records of a surface: what it reflects by, four of gloss, what lets light through */
 #define RC_LOBE_BEHIND 5
-#define RC_MAX_CHANNELS 32  /* channels (source x node) of a term row */
-#define RC_LAMP_POINT 0u /* shapes of lamps */
+#ifdef __OPENCL_C_VERSION__
+#ifndef RC_FURTHER_RECORDS
+#define RC_FURTHER_RECORDS 0 /* records of a surface after those: of shapes that change with wavelength */
+#endif
+#define RC_LOBE_STRIDE (RC_LOBES + RC_FURTHER_RECORDS)
+#endif
+#define RC_MAX_CHANNELS 32 /* channels (source x node) of a term row */
+#define RC_LAMP_POINT 0u   /* shapes of lamps */
 #define RC_LAMP_SPOT 1u
 #define RC_LAMP_RECTANGLE 2u /* this and the next shine from one side, by the cosine */
 #define RC_LAMP_DISC 3u
-#define RC_VOLUME_BOX 0u    /* shapes of a LidarVolume */
+#define RC_VOLUME_BOX 0u /* shapes of a LidarVolume */
 #define RC_VOLUME_GRID 1u
 #define RC_VOLUME_PLUME 2u
 #define RC_PLUME_WIDTHS 6.5f /* a plume ends so many of its widths from the axis; a bell's share beyond is 8e-11 */

@@ -6,8 +6,9 @@
  * lets light through (RC_THROUGH), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface
  * that the viewer does not see: the same hit and weight, the point beyond the surface, the normal turned round; zero,
  * as where nothing was hit, on surfaces that are opaque, and RC_NONE in the hits, which are the near side's. Where
- * matter is glossy (RC_GLOSSY), it has one more, the last, for what comes by its gloss: the near side's point and
- * normal, zero on surfaces without, and the gloss as the shape. Pixel i of a tile is (line in the tile) * columns +
+ * matter is glossy (RC_GLOSSY), it has one more, for what comes by its gloss: the near side's point and
+ * normal, zero on surfaces without, and the gloss as the shape. Where shapes change with wavelength, each further lobe
+ * (RC_FURTHER) has a slot after them, likewise with its own shape. Pixel i of a tile is (line in the tile) * columns +
  * (column in the tile). By pixel, one after the other:
  *   hits      uint    [RC_HIT_PLANES][padded]    planes RC_HIT_*; RC_NONE in both where nothing was hit
  *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was
@@ -106,7 +107,11 @@
 #ifndef RC_GLOSSY
 #define RC_GLOSSY 0 /* 1: some material is glossy; then RC_SHAPED is 1 too */
 #endif
-#define RC_SIDES (1 + RC_THROUGH + RC_GLOSSY) /* slots of a sample */
+#ifndef RC_FURTHER
+#define RC_FURTHER 0 /* further lobes of shapes that change with wavelength; then RC_SHAPED is 1 too */
+#endif
+#define RC_OWN_SIDES (1 + RC_THROUGH + RC_GLOSSY) /* slots of a sample that send rays; further lobes share theirs */
+#define RC_SIDES (RC_OWN_SIDES + RC_FURTHER)      /* slots of a sample */
 #ifndef RC_MATERIALS
 #define RC_MATERIALS 0 /* of the scene; asked for where a sample has more than one slot */
 #endif
@@ -148,11 +153,16 @@
 #define RC_WORDS (RC_PADDED_SAMPLES / RC_WORD)
 /* Sample of a chunk that a slot belongs to, which side of its surface the slot is (product_key.h), and the reverse. */
 #define RC_SAMPLE_OF(slot) (RC_SIDES > 1 ? (slot) % RC_NEAR_SAMPLES : (slot))
-#define RC_SIDE_OF(slot)                                       \
-  (RC_SIDES == 1 || (slot) < RC_NEAR_SAMPLES    ? RC_NEAR_SIDE \
-   : RC_THROUGH && (slot) < 2 * RC_NEAR_SAMPLES ? RC_FAR_SIDE  \
-                                                : RC_GLOSS_SIDE)
-#define RC_SLOT_OF(sample, side) ((sample) + ((side) == RC_GLOSS_SIDE ? 1u + RC_THROUGH : (side)) * RC_NEAR_SAMPLES)
+#define RC_SIDE_OF(slot)                                        \
+  (RC_SIDES == 1 || (slot) < RC_NEAR_SAMPLES    ? RC_NEAR_SIDE  \
+   : RC_THROUGH && (slot) < 2 * RC_NEAR_SAMPLES ? RC_FAR_SIDE   \
+   : (slot) < RC_OWN_SIDES * RC_NEAR_SAMPLES    ? RC_GLOSS_SIDE \
+                                                : RC_FURTHER_SIDE + (slot) / RC_NEAR_SAMPLES - RC_OWN_SIDES)
+#define RC_SLOT_OF(sample, side)                                                   \
+  ((sample) + ((side) == RC_GLOSS_SIDE     ? 1u + RC_THROUGH                       \
+               : (side) >= RC_FURTHER_SIDE ? RC_OWN_SIDES + (side)-RC_FURTHER_SIDE \
+                                           : (side)) *                             \
+                  RC_NEAR_SAMPLES)
 /* Sources that have a value per sample, sun, sky, surroundings and lamps; emission follows them in a row. */
 #define RC_LIT (RC_SUN + RC_COMPONENTS + RC_LAMPS)
 #define RC_SOURCES (RC_LIT + RC_TEMPERATURES)

@@ -67,10 +67,16 @@ bounces = 2
 """
 
 
-def middle(key):
+def number(key):
+    """Schema of one number of a shape, which may also be given as a list; None: it is something else."""
+    return next((of for of in key.get("anyOf", []) if of.get("type") == "number"), None)
+
+
+def inside(key, part=0.35):
     """A value inside the range that the schema allows, nearer to its lower end."""
-    low = key.get("minimum", key.get("exclusiveMinimum", 0.0))
-    return low + 0.35 * (key.get("maximum", low + 1.0) - low)
+    of = number(key)
+    low = of.get("minimum", of.get("exclusiveMinimum", 0.0))
+    return low + part * (of.get("maximum", low + 1.0) - low)
 
 
 def holds(what, text):
@@ -92,16 +98,85 @@ material = json.loads(program.run("scene", "schema").stdout)["properties"]["mate
 shapes = {
     name: key["properties"]
     for name, key in material.items()
-    if key.get("type") == "object" and all(of.get("type") == "number" for of in key["properties"].values())
+    if key.get("type") == "object" and "at_nm" in key["properties"]
 }
 program.check("gloss" in shapes, shapes)
 for name, keys in shapes.items():
-    shape = f"{name} = {{ {', '.join(f'{key} = {middle(of)}' for key, of in keys.items())} }}"
+    numbers = {key: of for key, of in keys.items() if number(of)}
+    program.check(len(numbers) == len(keys) - 1, keys)
+    shape = f"{name} = {{ {', '.join(f'{key} = {inside(of)}' for key, of in numbers.items())} }}"
     holds(shape, SCENE.format(shape=shape, pulse=PULSE_AND_RECEIVER))
+    # Given at two wavelengths: cameras only.
+    lists = ", ".join(f"{key} = [{inside(of, 0.5)}, {inside(of, 0.3)}]" for key, of in numbers.items())
+    changing = f"{name} = {{ at_nm = [520.0, 700.0], {lists} }}"
+    if name == "hapke":  # by the material's curve, which is single-scattering albedo, and not by wavelength
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "scene.toml"
+            file.write_text(SCENE.format(shape=changing, pulse=PULSE_AND_RECEIVER))
+            program.refused("scene", "check", file, status=2, says=["'at_nm' means nothing for hapke"])
+        continue
+    text = SCENE.format(shape=changing, pulse=PULSE_AND_RECEIVER)
+    holds(changing, text[: text.index("[[lidar]]")])
+    if name == "gloss":
+        continue
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "scene.toml"
+        file.write_text(text)
+        says = ["lidar", "pulses know no shape that changes with wavelength", "material 'shaped'"]
+        program.refused("render", file, "-o", folder + "/out", "--instrument", "lidar", status=2, says=says)
 # A single leaf by what it is made of, instead of the reflectance.
 leaf = "leaf = { prospect = { n = 1.6, cab_ug_cm2 = 40, car_ug_cm2 = 10, cw_cm = 0.01, cm_g_cm2 = 0.006 } }"
 holds(leaf, SCENE.format(shape=leaf, pulse=PULSE_AND_RECEIVER).replace("reflectance = 0.4\n", "", 1))
-# What would send back more light than comes.
+# What changes with the curve, or by Fresnel's law for a measured index: both from files.
+with tempfile.TemporaryDirectory() as folder:
+    soil = pathlib.Path(folder) / "soil.csv"
+    soil.write_text("wavelength_nm,reflectance\n400,0.35\n600,0.6\n800,0.85\n1000,0.9\n")
+    shape = "hapke = { b = 0.3, c = 0.2, slope_deg = 15.0, b0 = 0.6, h = 0.08 }"
+    text = SCENE.format(shape=shape, pulse="").replace("reflectance = 0.4", f'file = "{soil}"', 1)
+    holds("hapke, albedo 0.35 to 0.9", text[: text.index("[[lidar]]")])
+    gold = pathlib.Path(folder) / "gold.csv"
+    rows = ("400,1.47,1.95", "500,0.97,1.87", "600,0.25,3.03", "700,0.13,4.06", "900,0.17,5.72", "1000,0.22,6.43")
+    gold.write_text("wavelength_nm,n,k\n" + "\n".join(rows) + "\n")  # Johnson & Christy (1972), rounded
+    metal = f'fresnel = {{ roughness = 0.6, file = "{gold}" }}'
+    text = SCENE.format(shape=metal, pulse=PULSE_AND_RECEIVER).replace("reflectance = 0.4", "reflectance = 0.01", 1)
+    holds("gold", text[: text.index("[[lidar]]")])
+    file = pathlib.Path(folder) / "scene.toml"
+    file.write_text(text)
+    says = ["lidar", "pulses know no shape that changes with wavelength", "material 'shaped'"]
+    program.refused("render", file, "-o", folder + "/out", "--instrument", "lidar", status=2, says=says)
+    for wrong, says in (
+        ("wavelength_nm,k\n400,1\n500,1\n", ["gold.csv:1", "no column 'n'"]),
+        ("wavelength_nm,n,k\n400,1.4,-2\n500,1,1\n", ["gold.csv:2", "k is not within 0 .. 1000", "-2"]),
+        ("wavelength_nm,n\n500,1.4\n400,1\n", ["gold.csv:3", "wavelengths are not ascending", "0.4 um after 0.5"]),
+        ("wavelength_nm,n\n500,1.4\n", ["a refractive index needs two wavelengths at least"]),
+        ("wavelength_nm,n,k\n520,1.4,1\n580,1,1\n", ["the index of material 'shaped'"]),
+    ):
+        gold.write_text(wrong)
+        program.refused("plan", file, "--instrument", "camera", status=2, says=says)
+# Lists that do not fit their wavelengths.
+for shape, says in (
+    ("gloss = { roughness = 0.2, f0 = [0.1, 0.2] }", ["'f0' is not of as many wavelengths as 'at_nm'", "2 values, 0"]),
+    (
+        "rpv = { at_nm = [500, 600, 700], k = [0.8, 0.9], theta = 0.0, rho_c = 1.0 }",
+        ["'k' is not of as many wavelengths as 'at_nm'", "2 values, 3 wavelengths"],
+    ),
+    ("oren_nayar = { at_nm = [600, 500], sigma_deg = [10, 20] }", ["'at_nm' must ascend", "500 after 600"]),
+    ("oren_nayar = { at_nm = [500, 600], sigma_deg = 10 }", ["'at_nm' means nothing where no number changes"]),
+    ("oren_nayar = { at_nm = [500, 600], sigma_deg = [10, 95] }", ["'sigma_deg' is out of range", "95"]),
+):
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "scene.toml"
+        file.write_text(SCENE.format(shape=shape, pulse=PULSE_AND_RECEIVER))
+        program.refused("scene", "check", file, status=2, says=says)
+# What would send back more light than comes; of lists at a wavelength that no curve names.
+with tempfile.TemporaryDirectory() as folder:
+    file = pathlib.Path(folder) / "scene.toml"
+    lists = "rpv = { at_nm = [450, 550, 650], k = [1, 0.6, 1], theta = [0, -0.2, 0], rho_c = [1, 0.2, 1] }"
+    file.write_text(SCENE.format(shape=lists, pulse=PULSE_AND_RECEIVER).replace("= 0.4", "= 0.7", 1))
+    program.refused("scene", "check", file, status=2, says=["more light would leave than comes", "at 550 nm"])
+    lists = "gloss = { at_nm = [450, 650], roughness = 0.3, f0 = [0, 0.7] }"
+    file.write_text(SCENE.format(shape=lists, pulse=PULSE_AND_RECEIVER))
+    program.refused("scene", "check", file, status=2, says=["f0 above 1", "0.4 + 0.7"])
 with tempfile.TemporaryDirectory() as folder:
     file = pathlib.Path(folder) / "scene.toml"
     bowl = "rpv = { k = 0.6, theta = -0.2, rho_c = 0.2 }"

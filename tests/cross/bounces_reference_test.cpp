@@ -7,6 +7,7 @@
 
 #include "host/run/check_bounced.h"
 #include "host/sensors/view_bounds.h"
+#include "scene_compiler/spectral_shape.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/skies.h"
 #include "tests/support/test_scenes.h"
@@ -30,8 +31,9 @@ scene::Curve curve(const std::function<double(double)>& value) {
 
 double step(double l, double at, double width) { return 1 / (1 + std::exp((at - l) / width)); }
 
-/// Eight crowns of leaves, turned, tilted and stretched, on rough or wet ground with a bright box among them.
-scene::Simulation wood(bool wet) {
+/// Eight crowns of leaves, turned, tilted and stretched, on rough or wet ground with a bright box among them; the
+/// ground's shapes may change with wavelength.
+scene::Simulation wood(bool wet, bool changing) {
   scene::Simulation simulation;
   scene::CompiledScene& scene = simulation.scene;
   const auto ground = test::add_material(scene, "ground", 0.3), leaf = test::add_material(scene, "leaf", 0.4),
@@ -41,9 +43,16 @@ scene::Simulation wood(bool wet) {
     scene.materials[0].gloss = {RC_SHAPE_gloss, {0.2, 0.4}};
   else
     scene.materials[0].front = {RC_SHAPE_oren_nayar, {30, 0}};
+  if (changing) {  // with wavelength: what is rough in the blue is a bowl in the red
+    scene.materials[0].front_nodes = {{0.5, scene.materials[0].front},
+                                      {0.7, {RC_SHAPE_oren_nayar, {60, 0}}},
+                                      {0.9, {RC_SHAPE_oren_nayar, {10, 0}}}};
+    if (wet) scene.materials[0].gloss_nodes = {{0.5, scene.materials[0].gloss}, {0.8, {RC_SHAPE_gloss, {0.3, 0.1}}}};
+  }
   scene.materials[1].reflectance = curve([](double l) { return 0.05 + 0.42 * step(l, 0.71, 0.015); });
   scene.materials[1].transmittance = curve([](double l) { return 0.03 + 0.40 * step(l, 0.71, 0.02); });
   scene.materials[2].reflectance = curve([](double l) { return 0.5 + 0.2 * std::sin(6 * l); });
+  scene::make_lobes(scene.materials[0]);
   test::place(scene, test::rectangle({-60, -60, 0}, {120, 0, 0}, {0, 120, 0}, ground));
   test::place(scene, test::box({-1, -2, 0}, {2, 1, 3}, wall));
   scene::TriangleMesh crown = test::crown(600, 0.4, 2.2, 5);
@@ -73,11 +82,17 @@ scene::Simulation wood(bool wet) {
 TEST_CASE("S16 LIGHT 2: light between surfaces in a wood is that of another code's paths, band by band") {
   // As `raycube check` looks at it. Standard errors are of both sides' own scatter.
   const atmos::RenderTable air = test::clear_sky(40);
-  for (const auto& [levels, wet] : {std::pair(1, false), {4, false}, {2, true}}) {
-    scene::Simulation simulation = wood(wet);
+  struct Case {
+    int levels;
+    bool wet, changing;
+  };
+  for (const auto& [levels, wet, changing] : {Case{1, false, false}, {4, false, false}, {2, true, false},
+                                              {3, false, true}, {2, true, true}}) {
+    scene::Simulation simulation = wood(wet, changing);
     simulation.bounces = levels;
     if (wet) simulation.sky_directions = 1024;
     CAPTURE(wet);
+    CAPTURE(changing);
     const scene::Instrument& camera = simulation.instruments[0];
     const plan::Plan plan = plan::make_plan(simulation, camera, air, sensors::view_bounds(camera));
     render::Renderer renderer(simulation.scene, {});

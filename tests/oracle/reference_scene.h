@@ -137,7 +137,9 @@ class SceneBuilder {
 
   std::uint32_t material(const std::string& name, const std::vector<double>& wavelength_um,
                          const std::vector<double>& value) {
-    scene.materials.push_back({name, "test", {wavelength_um, value}, {}});
+    scene::Material material;
+    material.name = name, material.source = "test", material.reflectance = {wavelength_um, value};
+    scene.materials.push_back(material);
     shared::Surface surface{};
     surface.material[0] = static_cast<std::uint32_t>(scene.materials.size());
     surface.fraction[0] = 1;

@@ -138,6 +138,54 @@ TEST_CASE("S21 gloss: an even sky is the lobe's own integral, within the rays' n
     }
 }
 
+// Every way to the west from the ground meets the wall, so that its light is the same everywhere: an integral over a
+// quarter of a sphere. 1e-3 of the whole is the quadrature's.
+TEST_CASE("S21 gloss: a wall that is gloss alone sends the sun on to the ground before it") {
+  for (const double roughness : {0.2, 0.6}) {
+    scene::Simulation simulation;
+    const auto ground = test::add_material(simulation.scene, "ground", kReflectance),
+               wall = test::add_material(simulation.scene, "wall", 0.0);
+    simulation.scene.materials[1].gloss = {RC_SHAPE_gloss, {roughness, 0.5}};
+    test::place(simulation.scene, test::rectangle({0, -1e5, 0}, {1e5, 0, 0}, {0, 2e5, 0}, ground));
+    test::place(simulation.scene, test::rectangle({0, -1e5, 0}, {0, 2e5, 0}, {0, 0, 1e5}, wall));
+    finish_top_tree(simulation.scene);
+    simulation.sun.zenith_deg = 55, simulation.sun.azimuth_deg = 70;
+    simulation.bounces = 1, simulation.bounces_given = true, simulation.sky_directions = 1024;
+    simulation.tolerance = 0.01;
+    scene::Instrument camera = test::nadir_camera(4, 4, 300, 1);
+    camera.samples_u = camera.samples_v = 16;
+    for (auto& pose : camera.poses) pose.x_m += 10;
+    camera.bands = test::gaussian_bands({0.55}, 0.01);
+    simulation.instruments = {camera};
+    atmos::UniformAir air;
+    air.solar_irradiance = [](double) { return kSunIrradiance; };
+    air.sun_zenith_deg = 55, air.sun_azimuth_deg = 70;
+    const auto image =
+        test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.5, 0.6, 0.01)));
+    const double z = 55 * kPi / 180, a = 70 * kPi / 180;
+    const RcLocal sun{std::sin(z) * std::sin(a), std::sin(z) * std::cos(a), std::cos(z)}, east{1, 0, 0};
+    double sum = 0;
+    constexpr int kRows = 300, kColumns = 600;
+    for (int i = 0; i < kRows; ++i)
+      for (int j = 0; j < kColumns; ++j) {
+        // From the ground a way to the west, up; the wall sees where it came from.
+        const double up = (i + 0.5) / kRows, r = std::sqrt(1 - up * up), turn = kPi * (j + 0.5) / kColumns;
+        const RcLocal back{r * std::sin(turn), -r * std::cos(turn), -up};
+        sum += up * ggx(roughness, 0.5, east, sun, back) * sun.x;
+      }
+    const double by_wall = sum * kPi / (kRows * kColumns), want = kReflectance / kPi * (sun.z + by_wall);
+    double mean = 0, squares = 0;
+    for (const float l : image.radiance) mean += l / 16, squares += double{l} * l / 16;
+    const double error = std::sqrt(std::max(0.0, squares - mean * mean) / 15);
+    CAPTURE(roughness);
+    CAPTURE(by_wall);
+    CAPTURE(error);
+    CHECK(std::abs(mean / kSunIrradiance - want) < 5 * error / kSunIrradiance + 1e-3 * want);
+    CHECK(by_wall > 0.02);
+    CHECK(error < 0.01 * mean);
+  }
+}
+
 TEST_CASE("S21 gloss: a leaf has it beside both of its sides, and dull scenes keep their slots") {
   GlossyPlate scene(50, 0.3, 0.05);
   auto& plate = scene.simulation.scene.materials[0];

@@ -85,6 +85,44 @@ TEST_CASE("S4 compiled scene: saved and loaded, every array is the same to the b
   CHECK_THROWS_AS(save_compiled(back, folder.at("t.rcs")), base::Error);
 }
 
+TEST_CASE("S4 compiled scene: matter that is a sum of lobes is the same, with its nodes and its index") {
+  const Folder folder;
+  folder.write("index.csv", "wavelength_nm,n,k\n400,1.4,2\n800,0.9,3\n");
+  folder.write("albedo.csv", "wavelength_nm,reflectance\n400,0.2\n800,0.9\n");
+  const std::string text =
+      scene_text(folder) +
+      "[[material]]\nname = \"wet\"\nreflectance = 0.2\ngloss = { at_nm = [450, 650], roughness = 0.3, f0 = [0, 0.3] "
+      "}\n"
+      "[[material]]\nname = \"metal\"\nreflectance = 0.01\nfresnel = { roughness = 0.2, file = \"index.csv\" }\n"
+      "[[material]]\nname = \"soil\"\nfile = \"albedo.csv\"\n"
+      "hapke = { b = 0.3, c = 0.1, slope_deg = 10, b0 = 0.5, h = 0.1 }\n"
+      "[[material]]\nname = \"grass\"\nreflectance = 0.3\nrpv = { at_nm = [450, 650], k = [0.8, 0.9], theta = -0.1, "
+      "rho_c = [1, 0.9] }\n";
+  const auto scene = load(folder, text).scene;
+  save_compiled(scene, folder.at("s.rcs"));
+  const auto back = load_compiled(folder.at("s.rcs"));
+  CHECK(back.content_hash == scene.content_hash);
+  REQUIRE(back.materials.size() == scene.materials.size());
+  std::size_t lobes = 0;
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    const Material &was = scene.materials[m], &is = back.materials[m];
+    CHECK(is.front == was.front);
+    CHECK(is.gloss == was.gloss);
+    CHECK(is.front_nodes == was.front_nodes);
+    CHECK(is.gloss_nodes == was.gloss_nodes);
+    CHECK(is.index_k.value == was.index_k.value);
+    CHECK(is.front_curve.value == was.front_curve.value);
+    CHECK(is.gloss_curve.value == was.gloss_curve.value);
+    REQUIRE(is.further.size() == was.further.size());
+    for (std::size_t i = 0; i < is.further.size(); ++i) {
+      CHECK(is.further[i].shape == was.further[i].shape);
+      CHECK(is.further[i].curve.value == was.further[i].curve.value);
+    }
+    lobes += is.further.size();
+  }
+  CHECK(lobes >= 1 + 3 + 3 + 1);  // of the wet, the metal, the soil and the grass
+}
+
 TEST_CASE("S4 content hash: changes with whatever changes a result, not with the text of a source") {
   const Folder folder;
   const std::string text = scene_text(folder);
