@@ -19,7 +19,7 @@ namespace raycube::reference {
 namespace {
 
 constexpr std::uint32_t kFirstDraw = 1000;  ///< of rc_hash; the device's dimensions end far below
-constexpr double kByGloss = 0.4;            ///< share of the paths that leave what is seen by its gloss
+constexpr double kByGloss = 0.4;            ///< share of the paths that leave a glossy surface by its gloss
 constexpr int kOpenSteps = 256;             ///< of an open sky's integral, each way
 
 /// Unit vector by the cosine about a normal, for u and v uniform in [0, 1).
@@ -30,10 +30,13 @@ glm::dvec3 by_cosine(const glm::dvec3& normal, double u, double v) {
   return std::sqrt(u) * (std::cos(turn) * across + std::sin(turn) * along) + std::sqrt(1 - u) * normal;
 }
 
-/// The side of a surface that the path came to, or the one behind it; null where nothing goes through.
-const Sample* side_of(const SampledPixel& at, bool through) {
-  if (!through) return &at.samples[0];
-  return at.far_sides.empty() || at.far_sides[0].hit.miss() ? nullptr : &at.far_sides[0];
+/// The side of a surface that the path came to, the one behind it where something goes through, and the gloss of the
+/// first where it has one.
+std::vector<const Sample*> sides_of(const SampledPixel& at) {
+  std::vector<const Sample*> out = {&at.samples[0]};
+  for (const auto* others : {&at.far_sides, &at.glosses})
+    if (!others->empty() && !others->front().hit.miss()) out.push_back(&others->front());
+  return out;
 }
 
 }  // namespace
@@ -96,17 +99,14 @@ BouncedLight::Spectrum BouncedLight::scattered(const Sample& side, const glm::dv
 
 void BouncedLight::add_sun(const SampledPixel& at, Walk& walk) const {
   if (plan_.sun_sources == 0) return;
-  for (const bool through : {false, true}) {
-    const Sample* side = side_of(at, through);
-    if (side && side->sun_visible) walk.add(0, side->cos_sun, scattered(*side, to_double(plan_.sun_direction)));
-  }
+  for (const Sample* side : sides_of(at))
+    if (side->sun_visible) walk.add(0, side->cos_sun, scattered(*side, to_double(plan_.sun_direction)));
 }
 
 void BouncedLight::add_lamps(const SampledPixel& at, Walk& walk) const {
   const auto first = static_cast<std::size_t>(plan_.sun_sources + plan_.sky_components);
-  for (const bool through : {false, true}) {
-    const Sample* side = plan_.lamps.sources() > 0 ? side_of(at, through) : nullptr;
-    if (side == nullptr) continue;
+  if (plan_.lamps.sources() == 0) return;
+  for (const Sample* side : sides_of(at)) {
     const double v = walk.draw(), w = walk.draw();
     for (const LampLight& light : some_lamplight(scene_, plan_, *side, v, w))
       walk.add(first + light.source, light.irradiance, scattered(*side, light.direction));
@@ -148,8 +148,8 @@ bool BouncedLight::mirror(const Sample& gloss, Walk& walk) const {
 bool BouncedLight::turn(const SampledPixel& at, Walk& walk) const {
   const bool glossy = !at.glosses.empty() && !at.glosses[0].hit.miss();
   if (glossy && walk.draw() < kByGloss) return mirror(at.glosses[0], walk);
-  const bool leaf = side_of(at, true) != nullptr, through = leaf && walk.draw() < 0.5;
-  const Sample& side = *side_of(at, through);
+  const bool leaf = !at.far_sides.empty() && !at.far_sides[0].hit.miss(), through = leaf && walk.draw() < 0.5;
+  const Sample& side = through ? at.far_sides[0] : at.samples[0];
   const double u = walk.draw(), v = walk.draw();
   walk.way = by_cosine(side.normal, u, v);
   walk.from = side;
@@ -164,6 +164,7 @@ SampledPixel BouncedLight::stand(const Walk& walk, const Hit& hit) const {
   sample.ray = {rounded(walk.from.point), rounded(walk.way), {}};
   sample.hit = hit;
   if (plan_.matter.through) at.far_sides.resize(1);
+  if (plan_.matter.glossy) at.glosses.resize(1);
   scene_.place(at, 0, plan_);
   return at;
 }
@@ -199,7 +200,7 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
   SampledPixel at;
   at.samples = {first};
   if (!pixel.far_sides.empty()) at.far_sides = {pixel.far_sides[chosen]};
-  if (!pixel.glosses.empty()) at.glosses = {pixel.glosses[chosen]};  // surfaces further on have none
+  if (!pixel.glosses.empty()) at.glosses = {pixel.glosses[chosen]};
   for (int level = 0; turn(at, walk); ++level) {
     if (level == levels_) {
       if (scene_.sees(walk.from, walk.way)) add_sky(walk.way, walk);

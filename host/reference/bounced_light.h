@@ -32,9 +32,9 @@ class BouncedLight {
   void add_ground(Walk& walk) const;
   /// Chooses side and direction in which the path goes on; false: it does not.
   bool turn(const SampledPixel& at, Walk& walk) const;
-  /// The same by the gloss of what is seen.
+  /// The same by the gloss of the surface.
   bool mirror(const Sample& gloss, Walk& walk) const;
-  /// Both sides of the surface that a path's ray met, lit or not by the sun, as of a pixel with one sample.
+  /// The sides of the surface that a path's ray met, lit or not by the sun, as of a pixel with one sample.
   SampledPixel stand(const Walk& walk, const Hit& hit) const;
   /// Radiance of the bands at the pixel's sensor, by the nodes of the point that it sees.
   std::vector<double> at_sensor(const SampledPixel& pixel, const Sample& first, const Walk& walk) const;

@@ -52,15 +52,33 @@ typedef struct Paths16 {
   Ends16 ends;
 } RC_LINE Paths16;
 
+#if RC_GLOSSY
+/* The gloss of a surface: materials mixed in it share one. Its shape is RC_SHAPE_none where it has none. */
+static inline Lobe rc_gloss_of(const PathTables* t, uint surface) {
+  Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + 1u];
+  for (uint i = 2; i < RC_LOBE_BEHIND; ++i)
+    if (!(lobe.share > 0.0f)) lobe = t->lobes[surface * RC_LOBE_STRIDE + i];
+  return lobe;
+}
+
+static inline bool rc_glossy(const PathTables* t, uint surface) { return t->scattering[surface].z > 0.0f; }
+
+/* How many times Lambert's radiance goes from `in` to `out` by a gloss. */
+static inline float rc_gloss_factor(Lobe gloss, float4 normal, float4 in, float4 out) {
+  return rc_shape_eval(gloss.shape, 3.14159265f, rc_parameters(gloss.parameter), rc_angles(normal, in, out));
+}
+#endif
+
 /* Factors of the further lobes by which a side of a surface scatters, [RC_FURTHER]: `scale` times how many times
- * Lambert's radiance goes from `in` to `out`. 0 where there are none: of the far side, and of gloss. */
+ * Lambert's radiance goes from `in` to `out`. 0 where there are none. */
 static inline void rc_more_factors(const PathTables* t, uint surface, uint side, float4 normal, float4 in, float4 out,
                                    float scale, float* more) {
 #if RC_FURTHER
   for (uint number = 0; number < RC_FURTHER; ++number) {
     const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + RC_LOBES + number];
     more[number] = 0.0f;
-    if (side == RC_NEAR_SIDE && lobe.share > 0.0f && rc_shape_role(lobe.shape) == RC_ROLE_front)
+    const uint role = side == RC_GLOSS_SIDE ? RC_ROLE_gloss : RC_ROLE_front;
+    if (side != RC_FAR_SIDE && lobe.share > 0.0f && (uint)rc_shape_role(lobe.shape) == role)
       more[number] =
           scale * rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, in, out));
   }
@@ -96,6 +114,20 @@ static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surf
   }
 }
 
+#if RC_GLOSSY
+/* Adds light that falls onto a side from a direction and goes back by the surface's gloss; gained: of its source. */
+static inline void rc_gain_mirrored(SceneArrays scene, const PathTables* t, uint surface, float4 normal, float4 in,
+                                    float4 out, float irradiance, const float* share, const float* carried,
+                                    float* gained) {
+  if (!rc_glossy(t, surface)) return;
+  float light[RC_SKELETON], more[1 + RC_FURTHER];
+  rc_more_factors(t, surface, RC_GLOSS_SIDE, normal, in, out, irradiance, more);
+  rc_carry_on(scene, t, surface, RC_GLOSS_SIDE, irradiance * rc_gloss_factor(rc_gloss_of(t, surface), normal, in, out),
+              more, carried, light);
+  for (uint m = 0; m < RC_SKELETON; ++m) gained[m] = fma(share ? share[m] : 1.0f, light[m], gained[m]);
+}
+#endif
+
 /* number: of the pixel in the image; path: in the pixel. */
 static inline float rc_path_draw(const PathTables* t, uint number, uint path, uint level, uint what) {
   return rc_unit_float(rc_hash(t->seed, number, (path << 8) + level, RC_PATH_DIMENSION + what));
@@ -128,6 +160,14 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
     float light[RC_SKELETON];
     rc_carry_on(scene, t, ends->surface[k], side[i], factor, more, paths->carried[k], light);
     for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = fma(t->source_share[m], light[m], paths->gained[k][m]);
+#if RC_GLOSSY
+    if (side[i] == 0u) {
+      float share[RC_SKELETON];
+      for (uint m = 0; m < RC_SKELETON; ++m) share[m] = t->source_share[m];
+      rc_gain_mirrored(scene, t, ends->surface[k], normal, t->sun, back, cosine[i], share, paths->carried[k],
+                       paths->gained[k]);
+    }
+#endif
   }
 }
 
@@ -155,6 +195,11 @@ __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const Pat
       rc_carry_on(scene, t, surface, side, factor, more, paths->carried[k], light);
       float* gained = paths->gained[k] + (1u + source) * RC_SKELETON;
       for (uint m = 0; m < RC_SKELETON; ++m) gained[m] += light[m];
+#if RC_GLOSSY
+      if (side == 0u)
+        rc_gain_mirrored(scene, t, surface, normal, lamp.direction, back, lamp.irradiance, 0, paths->carried[k],
+                         gained);
+#endif
     }
   }
 }
@@ -183,17 +228,36 @@ static inline void rc_gain_ground(const PathTables* t, uint k, Paths16* paths) {
     paths->gained[k][m] = fma(t->ground_around[m], paths->carried[k][m], paths->gained[k][m]);
 }
 
-/* From their ends the live paths go on: by one side, chosen by chance, in a direction by the cosine about it. From the
- * third surface on a path may end, the likelier the less it can carry. Returns those that go on. */
+#if RC_GLOSSY
+/* Direction by the gloss of a surface for u and v uniform in [0, 1): half mirrored at its facets, half by the cosine.
+ * weight: times its form, how much more than by Lambert's law; 0 where it points into the surface. */
+static inline float4 rc_way_mirrored(Lobe gloss, float4 normal, float4 out, float u, float v, float* weight) {
+  const SkyDensity cosine = {1.0f, 0.0f, 0.5f, 0.0f, 0.0f, 1.0f};
+  const RcParameters p = rc_parameters(gloss.parameter);
+  const SkyRay ray = rc_mirrored_way(cosine, p.of[0], u, v, normal.x, normal.y, normal.z, out.x, out.y, out.z);
+  const float4 way = (float4)(ray.x, ray.y, ray.z, 0.0f);
+  const float density = RC_GLOSS_SHARE * rc_gloss_pdf(p, rc_angles(normal, out, way)) +
+                        (1.0f - RC_GLOSS_SHARE) * rc_sky_density(cosine, ray.x, ray.y, ray.z, ray.facing);
+  *weight = ray.facing > 0.0f ? 0.318309886f * ray.facing / density : 0.0f;
+  return way;
+}
+#endif
+
+/* From their ends the live paths go on: by one side or the gloss, chosen by chance, in a direction by the cosine about
+ * it or by that. From the third surface on a path may end, the likelier the less it can carry. Returns those that go
+ * on. */
 __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTables* t, uint live, uint level,
                                                Ends16* ends, Paths16* paths) {
   uint on = 0;
   for (; live; live &= live - 1u) {
     const uint k = rc_lowest(live), surface = ends->surface[k], number = paths->number[k], path = paths->path[k];
     const float near = t->scattering[surface].x;
-    const bool through = rc_path_draw(t, number, path, level, 0u) >= near;
-    float chance = through ? 1.0f - near : near;
-    paths->reach[k] *= t->scattering[surface].y;
+    const float gloss = RC_GLOSSY ? t->scattering[surface].z : 0.0f;
+    const float draw = rc_path_draw(t, number, path, level, 0u);
+    /* Roundings of a draw do not send a path through what is opaque. */
+    const bool mirrored = draw < gloss, through = !mirrored && near < 1.0f && draw - gloss >= near * (1.0f - gloss);
+    float chance = mirrored ? gloss : (through ? 1.0f - near : near) * (1.0f - gloss);
+    paths->reach[k] *= mirrored ? 1.0f : t->scattering[surface].y;
     if (level > 1u) {
       const float goes_on = fmin(1.0f, paths->reach[k]);
       if (rc_path_draw(t, number, path, level, 1u) >= goes_on) continue;
@@ -202,6 +266,20 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
     }
     float shaped, more[1 + RC_FURTHER];
     const float4 normal = rc_lane_of(ends->normal, k), came = rc_way_of(&paths->rays, k);
+#if RC_GLOSSY
+    if (mirrored) {
+      const Lobe lobe = rc_gloss_of(t, surface);
+      const float4 turned = rc_way_mirrored(lobe, normal, -came, rc_path_draw(t, number, path, level, 2u),
+                                            rc_path_draw(t, number, path, level, 3u), &shaped);
+      if (!(shaped > 0.0f)) continue;
+      rc_more_factors(t, surface, RC_GLOSS_SIDE, normal, turned, -came, shaped / chance, more);
+      shaped *= rc_gloss_factor(lobe, normal, turned, -came);
+      rc_carry_on(scene, t, surface, RC_GLOSS_SIDE, shaped / chance, more, paths->carried[k], paths->carried[k]);
+      rc_put_ray(&paths->rays, k, rc_lane_of(ends->front, k), turned);
+      on |= 1u << k;
+      continue;
+    }
+#endif
     const float4 way = rc_way_on(t->lobes, surface, through, normal, came, rc_path_draw(t, number, path, level, 2u),
                                  rc_path_draw(t, number, path, level, 3u), &shaped);
     rc_more_factors(t, surface, through ? 1u : 0u, normal, way, -came, 1.0f / chance, more);

@@ -156,14 +156,12 @@ RC_INLINE SkyRay rc_sky_ray(SkyDensity law, rc_u32 seed, rc_u32 pixel, rc_u32 nu
 
 #define RC_GLOSS_SHARE 0.5f /* of a glossy surface's rays: mirrored at its facets */
 
-/* Ray `number` of a pixel by the gloss of a surface, roughness alpha, without its density: a share is mirrored at
- * facets drawn from the GGX distribution (Walter et al. 2007, equations 35 and 36), the others go by the law. v: to
- * the viewer, unit. */
-RC_INLINE SkyRay rc_gloss_way(SkyDensity law, float alpha, rc_u32 seed, rc_u32 pixel, rc_u32 number, float nx, float ny,
-                              float nz, float vx, float vy, float vz) {
-  float u, v;
+/* Direction by the gloss of a surface, roughness alpha, u and v in [0, 1), without its density: a share is mirrored at
+ * facets drawn from the GGX distribution (Walter et al. 2007, equations 35 and 36), the others go by the law. vx, vy,
+ * vz: to the viewer, unit. */
+RC_INLINE SkyRay rc_mirrored_way(SkyDensity law, float alpha, float u, float v, float nx, float ny, float nz, float vx,
+                                 float vy, float vz) {
   SkyRay ray;
-  rc_sky_draws(seed, pixel, number, &u, &v);
   if (u < RC_GLOSS_SHARE) {
     float c, s, hx, hy, hz;
     u = u / RC_GLOSS_SHARE;
@@ -179,6 +177,14 @@ RC_INLINE SkyRay rc_gloss_way(SkyDensity law, float alpha, rc_u32 seed, rc_u32 p
   }
   ray.density = 0.0f;
   return ray;
+}
+
+/* The same of ray `number` of a pixel. */
+RC_INLINE SkyRay rc_gloss_way(SkyDensity law, float alpha, rc_u32 seed, rc_u32 pixel, rc_u32 number, float nx, float ny,
+                              float nz, float vx, float vy, float vz) {
+  float u, v;
+  rc_sky_draws(seed, pixel, number, &u, &v);
+  return rc_mirrored_way(law, alpha, u, v, nx, ny, nz, vx, vy, vz);
 }
 
 #endif
