@@ -81,6 +81,33 @@ struct Tilted {
   }
 };
 
+/// The plane under the sun, and its largest difference from `sent`, radiance of unit irradiance on it, over pixels and
+/// bands.
+struct Sunlit {
+  test::Image image;
+  double worst = 0;
+};
+template <class Sent>
+Sunlit sunlit(Tilted& scene, Sent&& sent) {
+  const double z = 50 * kPi / 180, a = 200 * kPi / 180;
+  const RcLocal sun{std::sin(z) * std::sin(a), std::sin(z) * std::cos(a), std::cos(z)};
+  scene.simulation.sun.zenith_deg = 50, scene.simulation.sun.azimuth_deg = 200;
+  atmos::UniformAir air;
+  air.solar_irradiance = [](double) { return kSunIrradiance; };
+  air.sun_zenith_deg = 50, air.sun_azimuth_deg = 200;
+  scene.simulation.instruments[0].samples_u = scene.simulation.instruments[0].samples_v = 1;
+  Sunlit out{test::render_image(scene.simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.4, 0.95, 0.01)))};
+  for (int line = 0; line < out.image.lines; ++line)
+    for (int pixel = 0; pixel < out.image.pixels; ++pixel) {
+      const RcAngles angles = rc_angles(scene.normal, sun, scene.viewer(line, pixel));
+      for (std::size_t b = 0; b < kCentres.size(); ++b) {
+        const double want = sent(kCentres[b], angles) * kSunIrradiance * angles.cos_in;
+        out.worst = std::max(out.worst, std::abs(out.image.at(line, pixel, static_cast<int>(b)) / want - 1));
+      }
+    }
+  return out;
+}
+
 }  // namespace
 
 // 1e-4: by as much a curve times a share may differ from what is linear (spectral_shape.cpp).
@@ -88,24 +115,8 @@ TEST_CASE("S21 shapes by wavelength: sunlight is linear between the nodes' close
   for (const bool glossy : {false, true}) {
     Tilted scene(6, glossy);
     CHECK(scene::camera_matter(scene.simulation.scene).sides() == (glossy ? 5 : 3));
-    const double z = 50 * kPi / 180, a = 200 * kPi / 180;
-    const RcLocal sun{std::sin(z) * std::sin(a), std::sin(z) * std::cos(a), std::cos(z)};
-    scene.simulation.sun.zenith_deg = 50, scene.simulation.sun.azimuth_deg = 200;
-    atmos::UniformAir air;
-    air.solar_irradiance = [](double) { return kSunIrradiance; };
-    air.sun_zenith_deg = 50, air.sun_azimuth_deg = 200;
-    scene.simulation.instruments[0].samples_u = scene.simulation.instruments[0].samples_v = 1;
-    const auto image =
-        test::render_image(scene.simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.4, 0.95, 0.01)));
-    double worst = 0;
-    for (int line = 0; line < image.lines; ++line)
-      for (int pixel = 0; pixel < image.pixels; ++pixel) {
-        const RcAngles angles = rc_angles(scene.normal, sun, scene.viewer(line, pixel));
-        for (std::size_t b = 0; b < kCentres.size(); ++b) {
-          const double want = scene.sent(kCentres[b], angles, glossy) * kSunIrradiance * angles.cos_in;
-          worst = std::max(worst, std::abs(image.at(line, pixel, static_cast<int>(b)) / want - 1));
-        }
-      }
+    const auto [image, worst] =
+        sunlit(scene, [&](double l, const RcAngles& angles) { return scene.sent(l, angles, glossy); });
     CAPTURE(glossy);
     CAPTURE(worst);
     CHECK(worst < 1e-4);
@@ -140,34 +151,18 @@ TEST_CASE("S21 hapke, fresnel: sunlight is the closed form at each band's own al
     scene::make_lobes(material);
     CHECK(scene::camera_matter(scene.simulation.scene).sides() ==
           (mirror ? 5 : static_cast<int>(material.front_nodes.size())));
-    const double z = 50 * kPi / 180, a = 200 * kPi / 180;
-    const RcLocal sun{std::sin(z) * std::sin(a), std::sin(z) * std::cos(a), std::cos(z)};
-    scene.simulation.sun.zenith_deg = 50, scene.simulation.sun.azimuth_deg = 200;
-    atmos::UniformAir air;
-    air.solar_irradiance = [](double) { return kSunIrradiance; };
-    air.sun_zenith_deg = 50, air.sun_azimuth_deg = 200;
-    scene.simulation.instruments[0].samples_u = scene.simulation.instruments[0].samples_v = 1;
-    const auto image =
-        test::render_image(scene.simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.4, 0.95, 0.01)));
-    double worst = 0;
-    for (int line = 0; line < image.lines; ++line)
-      for (int pixel = 0; pixel < image.pixels; ++pixel) {
-        const RcAngles angles = rc_angles(scene.normal, sun, scene.viewer(line, pixel));
-        for (std::size_t b = 0; b < kCentres.size(); ++b) {
-          double f = 0;
-          if (mirror) {
-            const auto factor = scene::fresnel_factors(n(kCentres[b]), k(kCentres[b]));
-            f = 0.02 / kPi;
-            for (std::size_t i = 0; i < 4; ++i)
-              f += factor[i] * eval({RC_SHAPE_gloss, {0.4, 0, static_cast<double>(i + 1)}}, angles);
-          } else {
-            const double w = albedo(kCentres[b]), gamma = std::sqrt(1 - w);
-            f = (1 - gamma) / (1 + gamma) * eval({RC_SHAPE_hapke, {0.4, 0.3, 15, 0.6, 0.1, w}}, angles);
+    const double worst =
+        sunlit(scene, [&](double l, const RcAngles& angles) {
+          if (!mirror) {
+            const double w = albedo(l), gamma = std::sqrt(1 - w);
+            return (1 - gamma) / (1 + gamma) * eval({RC_SHAPE_hapke, {0.4, 0.3, 15, 0.6, 0.1, w}}, angles);
           }
-          const double want = f * kSunIrradiance * angles.cos_in;
-          worst = std::max(worst, std::abs(image.at(line, pixel, static_cast<int>(b)) / want - 1));
-        }
-      }
+          const auto factor = scene::fresnel_factors(n(l), k(l));
+          double f = 0.02 / kPi;
+          for (std::size_t i = 0; i < 4; ++i)
+            f += factor[i] * eval({RC_SHAPE_gloss, {0.4, 0, static_cast<double>(i + 1)}}, angles);
+          return f;
+        }).worst;
     CAPTURE(mirror);
     CAPTURE(worst);
     CHECK(worst < 6e-4);
