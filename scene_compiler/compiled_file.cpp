@@ -13,6 +13,7 @@
 #include "host/base/output_file.h"
 #include "host/base/sha256.h"
 #include "kernels/shared/product_key.h"
+#include "scene_compiler/measured_file.h"
 #include "scene_compiler/shape_list.h"
 #include "scene_compiler/skyline.h"
 #include "scene_compiler/spectral_shape.h"
@@ -201,10 +202,38 @@ void archive_families(Archive& ar, Scene& scene) {
   }
 }
 
-/// Shapes that change with wavelength.
+/// The table of a shape that has one.
+template <class Archive, class Shape>
+void archive_table(Archive& ar, Shape& shape) {
+  std::vector<float> numbers;
+  if (shape.table) numbers = *shape.table;
+  ar(numbers);
+  if constexpr (!std::is_const_v<Shape>) {
+    if (numbers.empty() == (shape.number == RC_SHAPE_measured) || !(numbers.empty() || is_measured_table(numbers)))
+      ar.damaged("has a measured shape whose table does not fit");
+    shape.table = numbers.empty() ? nullptr : std::make_shared<const std::vector<float>>(std::move(numbers));
+  }
+}
+
+/// Shapes of gloss by their names.
+template <class Archive, class Material>
+void archive_gloss_name(Archive& ar, Material& material) {
+  const bool has = material.gloss.number != RC_SHAPE_none;
+  std::string name(has ? shape_entry(material.gloss.number).name : "");
+  ar(name);
+  if constexpr (!std::is_const_v<Material>) {
+    const ShapeEntry* entry = find_shape(name, ShapeRole::gloss);
+    if (has != (entry != nullptr)) ar.damaged("has a gloss of an unknown shape '" + name + "'");
+    if (has) material.gloss.number = entry->number;
+  }
+}
+
+/// Shapes that change with wavelength, and what else shapes have.
 template <class Archive, class Scene>
 void archive_nodes(Archive& ar, Scene& scene) {
   for (auto& material : scene.materials) {
+    archive_gloss_name(ar, material);
+    archive_table(ar, material.front);
     for (const bool gloss : {false, true}) {
       auto& nodes = gloss ? material.gloss_nodes : material.front_nodes;
       const auto& first = gloss ? material.gloss : material.front;
@@ -217,6 +246,7 @@ void archive_nodes(Archive& ar, Scene& scene) {
       for (auto& node : nodes) {
         ar(node.wavelength_um);
         for (auto& value : node.shape.parameter) ar(value);
+        archive_table(ar, node.shape);
       }
     }
     for (auto* curve : {&material.index_n, &material.index_k}) {
@@ -244,7 +274,9 @@ void archive_nodes(Archive& ar, Scene& scene) {
 
 bool has_nodes(const CompiledScene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
-    return !material.front_nodes.empty() || !material.gloss_nodes.empty() || !material.index_n.value.empty();
+    const bool plain_gloss = material.gloss.number == RC_SHAPE_none || material.gloss.number == RC_SHAPE_gloss;
+    return !material.front_nodes.empty() || !material.gloss_nodes.empty() || !material.index_n.value.empty() ||
+           !plain_gloss || material.front.table != nullptr;
   });
 }
 

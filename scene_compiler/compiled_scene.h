@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,22 @@ struct Curve {
   std::vector<double> value;  ///< reflectance or transmittance, 0..1
 };
 
+/// Numbers of a shape that has more than parameters: in kernels/materials/measured.h. Shared by all that it shapes.
+using ShapeTable = std::shared_ptr<const std::vector<float>>;
+
 /// A scattering shape of kernels/materials/materials.def and its parameters, in the order of its entry.
 struct Shape {
   std::uint32_t number = RC_SHAPE_none;
   std::array<double, 6> parameter{};
-  bool operator==(const Shape&) const = default;
+  ShapeTable table{};
+  bool operator==(const Shape& other) const {
+    const bool same_table = table == other.table || (table && other.table && *table == *other.table);
+    return number == other.number && parameter == other.parameter && same_table;
+  }
   RcParameters parameters() const {
     RcParameters out;
     std::copy(parameter.begin(), parameter.end(), out.of);
+    out.table = table ? table->data() : nullptr;
     return out;
   }
 };

@@ -237,6 +237,26 @@ bool counts_from_ground(const Lidar& lidar) {
   return lidar.turbulence.profile == TurbulenceProfile::hufnagel_valley && !lidar.turbulence.ground_z_m;
 }
 
+/// The file's paths for two of its directions.
+int read_paths(const Record& root, const Simulation& simulation, Problems& problems) {
+  const auto paths = static_cast<int>(root.integer("paths"));
+  if (root.text("bounces").empty() && root.integer("bounces") == 0)
+    problems.add(root.place("paths"), "'paths' means nothing with bounces = 0", std::to_string(paths), "remove one");
+  std::string may;
+  for (int per_two = 1; per_two <= kMostPathsPerTwo && simulation.sky_directions_given; ++per_two) {
+    const int beside = paths_beside(simulation.sky_directions, per_two);
+    if (beside == paths) return per_two;
+    may += (may.empty() ? "" : ", ") + std::to_string(beside);
+  }
+  if (may.empty())
+    problems.add(root.place("paths"), "'paths' needs sky_directions", "none",
+                 "give sky_directions too, or let the tolerance choose both");
+  else
+    problems.add(root.place("paths"), "'paths' is no multiple of half the sky_directions",
+                 std::to_string(paths) + " for " + std::to_string(simulation.sky_directions), "give one of " + may);
+  return 1;
+}
+
 }  // namespace
 
 double standard_pressure_hPa(double height_m) { return 1013.25 * std::pow(1.0 - 0.0065 * height_m / 288.15, 5.25588); }
@@ -250,6 +270,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.seed = options.seed.value_or(static_cast<std::uint64_t>(root.integer("seed")));
   out.sky_directions_given = root.given("sky_directions");
   if (out.sky_directions_given) out.sky_directions = static_cast<int>(root.integer("sky_directions"));
+  if (root.given("paths")) out.paths_per_two = read_paths(root, out, problems);
   out.bounces_given = root.text("bounces").empty();
   out.bounces = out.bounces_given ? static_cast<int>(root.integer("bounces")) : kMostChosenBounces;
   out.plan = read_plan(root, problems);

@@ -11,6 +11,7 @@
 #include "scene_compiler/fresnel.h"
 #include "scene_compiler/index_file.h"
 #include "scene_compiler/leaf_optics.h"
+#include "scene_compiler/measured_file.h"
 #include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
 #include "scene_compiler/spectral_shape.h"
@@ -193,7 +194,7 @@ std::optional<GivenShape> read_shape(const Record& record, const ShapeEntry& ent
 double mirrored_at(const Material& material, double wavelength_um) {
   double out = 0;
   for (const ShapeAndCurve& part : gloss_parts(material))
-    out += value_at(part.curve, wavelength_um) * rc_gloss_mirrored(part.shape.parameters(), 1);
+    out += value_at(part.curve, wavelength_um) * rc_shape_mirrored(part.shape.number, part.shape.parameters(), 1);
   return out;
 }
 
@@ -238,17 +239,34 @@ void check_gloss(const Record& record, const Material& material, Problems& probl
     if (sent + f0 > most) most = sent + f0, beside = sent, mirrored = f0;
   }
   if (most <= 1 + 1e-9) return;
-  const Record* gloss = record.table("gloss");
-  problems.add(gloss ? gloss->place("f0") : record.table("fresnel")->place("file"),
-               "reflectance + transmittance + f0 above 1", fmt::format("{:.4g} + {:.4g}", beside, mirrored),
+  const ShapeEntry& entry = shape_entry(material.gloss.number);
+  const Record* gloss = record.table(std::string(entry.name));
+  const std::string key = gloss ? std::string(entry.parameters[1].key) : "f0";
+  problems.add(gloss ? gloss->place(key) : record.table("fresnel")->place("file"),
+               "reflectance + transmittance + " + key + " above 1", fmt::format("{:.4g} + {:.4g}", beside, mirrored),
                "energy must not be gained: lower one");
 }
 
-/// How its reflectance is spread over directions: by one shape of those with a table, else by Lambert's law.
-void read_front(const Record& record, Material& out, Problems& problems) {
+/// The shape that was measured, at its wavelengths.
+std::optional<GivenShape> read_measured_shape(const Record& table, Problems& problems) {
+  const auto measured = read_measured(table.text("file"), table.place("file"), problems);
+  if (!measured) return std::nullopt;
+  GivenShape out{{RC_SHAPE_measured, {}, measured->table.front()}, {}};
+  for (std::size_t i = 0; measured->table.size() > 1 && i < measured->table.size(); ++i)
+    out.nodes.push_back({measured->wavelength_um[i], {RC_SHAPE_measured, {}, measured->table[i]}});
+  return out;
+}
+
+/// How its reflectance is spread over directions: by one shape of those with a table, else by Lambert's law. first: of
+/// its family, whose table of numbers it shares.
+void read_front(const Record& record, Material& out, const Material& first, Problems& problems) {
   for (const ShapeEntry& entry : shape_entries()) {
     if (entry.role != ShapeRole::front) continue;
-    const auto shape = read_shape(record, entry, problems);
+    const Record* measured = entry.number == RC_SHAPE_measured ? record.table("measured") : nullptr;
+    const bool known = measured && first.front.number == entry.number;
+    const auto shape = known      ? GivenShape{first.front, first.front_nodes}
+                       : measured ? read_measured_shape(*measured, problems)
+                                  : read_shape(record, entry, problems);
     if (shape && out.front.number != RC_SHAPE_lambert)
       problems.add(record.place(std::string(entry.name)), "a material reflects by one shape",
                    std::string(shape_entry(out.front.number).name) + " and " + std::string(entry.name), "remove one");
@@ -273,15 +291,20 @@ void read_lobes(const Record& record, Material& out, Problems& problems) {
   if (record.given("transmission") && out.transmittance.wavelength_um.empty())
     problems.add(record.place("transmission"), "'transmission' needs a transmittance", "an opaque material",
                  "remove it, or give transmittance");
-  const Record *gloss = record.table("gloss"), *fresnel = record.table("fresnel");
-  if (gloss != nullptr && fresnel != nullptr) {
-    problems.add(fresnel->where, "a material has one gloss", "gloss and fresnel", "remove one");
-  } else if (fresnel != nullptr) {
-    read_fresnel(*fresnel, out, problems);
-  } else if (gloss != nullptr) {
-    const std::vector<double>& f0 = gloss->numbers("f0");
-    if (std::none_of(f0.begin(), f0.end(), [](double value) { return value > 0; })) return;
-    if (const auto shape = read_shape(record, shape_entry(RC_SHAPE_gloss), problems))
+  std::string first = record.table("fresnel") != nullptr ? "fresnel" : "";
+  if (!first.empty()) read_fresnel(*record.table("fresnel"), out, problems);
+  for (const ShapeEntry& entry : shape_entries()) {
+    const std::string name(entry.name);
+    const Record* gloss = entry.role == ShapeRole::gloss ? record.table(name) : nullptr;
+    if (gloss == nullptr) continue;
+    if (!first.empty()) {
+      problems.add(gloss->where, "a material has one gloss", first + " and " + name, "remove one");
+      return;
+    }
+    first = name;
+    const std::vector<double>& mirrored = gloss->numbers(std::string(entry.parameters[1].key));
+    if (std::none_of(mirrored.begin(), mirrored.end(), [](double value) { return value > 0; })) continue;
+    if (const auto shape = read_shape(record, entry, problems))
       out.gloss = shape->first, out.gloss_nodes = shape->nodes;
   }
 }
@@ -310,7 +333,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
         extend(material.transmittance, 0);
       }
       if (record.sound && !material.reflectance.value.empty()) {
-        read_front(record, material, problems);
+        read_front(record, material, members.front(), problems);
         read_lobes(record, material, problems);
         take_nodes_of_curve(material);
         make_lobes(material);

@@ -1,6 +1,8 @@
 #include "scene_compiler/matter.h"
 
 #include <algorithm>
+#include <cstring>
+#include <map>
 
 #include "scene_compiler/spectral_shape.h"
 
@@ -64,26 +66,64 @@ shared::Lobe lobe_of(const Shape& shape, float share) {
   return out;
 }
 
+/// Tables of shapes, put behind the records.
+class Tables {
+ public:
+  explicit Tables(std::size_t records) : records_(records) {}
+
+  /// Tells a record where its shape's table begins, in floats from the records' beginning: 2^20 times its first
+  /// parameter and the second, which floats count exactly.
+  void tell(shared::Lobe& lobe, const Shape& shape) {
+    const auto [found, fresh] = place_.emplace(shape.table, records_ * kFloats + numbers_.size());
+    if (fresh) numbers_.insert(numbers_.end(), shape.table->begin(), shape.table->end());
+    lobe.parameter[0] = static_cast<float>(found->second >> 20);
+    lobe.parameter[1] = static_cast<float>(found->second & 0xfffffu);
+  }
+
+  void put_behind(std::vector<shared::Lobe>& records) const {
+    records.resize(records_ + (numbers_.size() + kFloats - 1) / kFloats);
+    if (!numbers_.empty()) std::memcpy(records.data() + records_, numbers_.data(), numbers_.size() * sizeof(float));
+  }
+
+ private:
+  static constexpr std::size_t kFloats = sizeof(shared::Lobe) / sizeof(float);
+  std::size_t records_;
+  struct ByContent {
+    bool operator()(const ShapeTable& a, const ShapeTable& b) const { return a != b && *a < *b; }
+  };
+  std::map<ShapeTable, std::size_t, ByContent> place_;
+  std::vector<float> numbers_;
+};
+
 }  // namespace
 
-std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
+std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t copies, const LobeFactor& factor) {
   std::vector<shared::Lobe> out;
   const std::size_t further = most_further(scene);
-  for (const auto& surface : scene.surfaces) {
+  Tables tables(scene.surfaces.size() * copies * (RC_LOBES + further));
+  const auto add = [&](const shared::Surface& surface, std::size_t copy) {
     const std::size_t first = out.size();
+    const auto place = [&](std::size_t record, const Shape& shape, double share) {
+      const double part = factor && record != RC_LOBE_BEHIND ? factor(copy, surface, record, shape) : 1;
+      out[first + record] = lobe_of(shape, static_cast<float>(share * part));
+      if (shape.table) tables.tell(out[first + record], shape);
+    };
     out.resize(first + RC_LOBES + further, lobe_of({}, 0));
     out[first] = lobe_of({RC_SHAPE_lambert}, 1);
     for (std::size_t i = 0; i < 4; ++i) {
       if (surface.material[i] == 0) continue;
       const Material& material = scene.materials[surface.material[i] - 1];
-      out[first] = lobe_of(material.front, 1);
-      if (material.gloss.number != RC_SHAPE_none) out[first + 1 + i] = lobe_of(material.gloss, surface.fraction[i]);
-      for (std::size_t t = 0; t < material.further.size(); ++t)
-        out[first + RC_LOBES + t] = lobe_of(material.further[t].shape, 1);
+      const auto fraction = static_cast<double>(surface.fraction[i]);
+      place(0, material.front, 1);
+      if (material.gloss.number != RC_SHAPE_none) place(1 + i, material.gloss, fraction);
+      for (std::size_t t = 0; t < material.further.size(); ++t) place(RC_LOBES + t, material.further[t].shape, 1);
       if (lets_light_through(material))
-        out[first + RC_LOBE_BEHIND] = lobe_of(material.behind, out[first + RC_LOBE_BEHIND].share + surface.fraction[i]);
+        place(RC_LOBE_BEHIND, material.behind, static_cast<double>(out[first + RC_LOBE_BEHIND].share) + fraction);
     }
-  }
+  };
+  for (const auto& surface : scene.surfaces)
+    for (std::size_t copy = 0; copy < copies; ++copy) add(surface, copy);
+  tables.put_behind(out);
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "kernels/shared/product_key.h"
@@ -46,9 +47,13 @@ void for_each_material(const shared::Surface& surface, F&& f) {
 /// The narrowest gloss that cameras see: below it single precision and the sun as a point would show.
 inline constexpr double kLeastRoughness = 0.1;
 
-/// Shapes of every surface, [surface][RC_LOBES + most_further(scene)]. Materials mixed in one surface share what they
-/// reflect by one shape.
-std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene);
+/// Shapes of every surface, [surface][RC_LOBES + most_further(scene)]; behind them their tables, each once, to which a
+/// record's first two parameters then count floats from the beginning of all (kernels/materials/measured.h). Materials
+/// mixed in one surface share what they reflect by one shape. copies: of each surface's records, one after the other,
+/// whose shares are multiplied by factor(copy, surface, record, its shape).
+using LobeFactor = std::function<double(std::size_t, const shared::Surface&, std::size_t, const Shape&)>;
+std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t copies = 1,
+                                        const LobeFactor& factor = {});
 
 /// The first used material that does not reflect by Lambert's law; null: none.
 const Material* first_shaped(const CompiledScene& scene);

@@ -58,6 +58,27 @@ class Kept {
 
 }  // namespace
 
+namespace {
+
+/// Zenith angles at which a shape is asked for the most that it sends back, deg: where one was measured, there.
+std::vector<double> zeniths_deg(const Shape& shape) {
+  std::vector<double> out;
+  if (!shape.table)
+    for (double zenith_deg = 0; zenith_deg <= kSteepest_deg; zenith_deg += 5) out.push_back(zenith_deg);
+  else
+    for (std::size_t i = 0; i < static_cast<std::size_t>((*shape.table)[0]); ++i)
+      out.push_back(static_cast<double>((*shape.table)[3 + i]) * 180 / std::numbers::pi);
+  return out;
+}
+
+/// The largest factor of a measured table.
+double largest_of(const std::vector<float>& table) {
+  const auto first = 3 + static_cast<std::ptrdiff_t>(table[0] + table[1] + table[2]);
+  return static_cast<double>(*std::max_element(table.begin() + first, table.end()));
+}
+
+}  // namespace
+
 double black_sky_albedo(const Shape& shape, double zenith_rad) { return albedo_of(shape, std::cos(zenith_rad)); }
 
 double white_sky_albedo(const Shape& shape) {
@@ -77,7 +98,7 @@ MostAlbedo most_albedo(const Shape& shape) {
   static thread_local Kept<MostAlbedo> kept;
   if (const MostAlbedo* known = kept.find(shape)) return *known;
   MostAlbedo most{0, 0};
-  for (double zenith_deg = 0; zenith_deg <= kSteepest_deg; zenith_deg += 5)
+  for (const double zenith_deg : zeniths_deg(shape))
     if (const double albedo = black_sky_albedo(shape, zenith_deg * std::numbers::pi / 180); albedo > most.albedo)
       most = {albedo, zenith_deg};
   return kept.keep(shape, most);
@@ -91,7 +112,7 @@ MostAlbedo most_albedo(const Material& material, double wavelength_um) {
     last = {nodes, {}};
     for (const ShapeNode& node : nodes) {
       auto& albedos = last.second.emplace_back();
-      for (double zenith_deg = 0; zenith_deg <= kSteepest_deg; zenith_deg += 5)
+      for (const double zenith_deg : zeniths_deg(node.shape))
         albedos.push_back(black_sky_albedo(node.shape, zenith_deg * std::numbers::pi / 180));
     }
   }
@@ -102,12 +123,13 @@ MostAlbedo most_albedo(const Material& material, double wavelength_um) {
     double albedo = 0;
     for (std::size_t node = 0; node < nodes.size(); ++node)
       albedo += value_at(parts[node].curve, wavelength_um) / reflectance * last.second[node][zenith];
-    if (albedo > most.albedo) most = {albedo, 5.0 * static_cast<double>(zenith)};
+    if (albedo > most.albedo) most = {albedo, zeniths_deg(material.front)[zenith]};
   }
   return most;
 }
 
 double brightest_direction(const Shape& shape) {
+  if (shape.table) return largest_of(*shape.table);
   double most = 0;
   for (double in_deg = 0; in_deg <= kSteepest_deg; in_deg += 5)
     for (double out_deg = 0; out_deg <= kSteepest_deg; out_deg += 5)

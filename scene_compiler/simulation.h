@@ -176,6 +176,9 @@ class Ground;
 
 /// Of a pixel, where neither file nor planner says.
 inline constexpr int kDefaultSkyDirections = 64;
+/// Paths that may go with two directions into the sky; how many go with all of them, rounded up.
+inline constexpr int kMostPathsPerTwo = 8;
+constexpr int paths_beside(int sky_directions, int per_two = 1) { return (sky_directions * per_two + 1) / 2; }
 /// Surfaces after the first, of which the planner chooses.
 inline constexpr int kMostChosenBounces = 64;
 
@@ -188,6 +191,7 @@ struct Simulation {
   int bounces = 0;                             ///< surfaces that light may come by after the first
   bool bounces_given = true;  ///< false: the planner chooses between that many and none (host/planner/bounce_choice.h)
   bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
+  int paths_per_two = 1;              ///< paths between surfaces for two such directions, where they are given
   PlanOverrides plan;
   bool thermal_below_3um = true;  ///< false: bands below 3 um go without thermal light whatever it makes
   AtmosphereSpec atmosphere;

@@ -252,4 +252,18 @@ bool gloss_alike(const Material& a, const Material& b) {
          a.index_n.value.empty() == b.index_n.value.empty();
 }
 
+GlossClash gloss_clash(const CompiledScene& scene) {
+  for (const shared::Surface& surface : scene.surfaces) {
+    GlossClash out;
+    for_each_material(surface, [&](std::size_t material, float) {
+      const Material& here = scene.materials[material];
+      if (here.gloss.number == RC_SHAPE_none) return;
+      if (out.first && !gloss_alike(*out.first, here)) out.other = &here;
+      if (!out.first) out.first = &here;
+    });
+    if (out.other) return out;
+  }
+  return {};
+}
+
 }  // namespace raycube::scene

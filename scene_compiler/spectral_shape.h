@@ -42,4 +42,10 @@ inline bool is_gloss(const Shape& shape) { return rc_shape_role(shape.number) ==
 bool reflect_alike(const Material& a, const Material& b);
 bool gloss_alike(const Material& a, const Material& b);
 
+/// Two materials of different gloss that are mixed in one surface; null: none.
+struct GlossClash {
+  const Material *first = nullptr, *other = nullptr;
+};
+GlossClash gloss_clash(const CompiledScene& scene);
+
 }  // namespace raycube::scene

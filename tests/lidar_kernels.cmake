@@ -3,6 +3,8 @@ target_link_libraries(raycube_lidar_support PUBLIC raycube_warnings raycube::lid
 raycube_test(lidar_link SOURCES oracle/lidar_link_test.cpp LIBS raycube_lidar_support raycube::render LABELS fast)
 raycube_test(lidar_surfaces SOURCES oracle/lidar_surfaces_test.cpp LIBS raycube_lidar_support raycube::render LABELS
   fast)
+raycube_test(lidar_lobes SOURCES oracle/lidar_lobes_test.cpp LIBS raycube_lidar_support raycube::render LABELS fast)
+raycube_test(lobe_forms SOURCES oracle/lobe_forms_test.cpp LIBS raycube_scene_compiler LABELS fast)
 raycube_test(materials SOURCES oracle/materials_test.cpp LIBS raycube::cl raycube::kernels raycube_scene_compiler LABELS
   fast)
 raycube_test(lidar_bounce SOURCES oracle/lidar_bounce_test.cpp LIBS raycube_lidar_support raycube::render LABELS fast)

@@ -44,6 +44,10 @@ struct AirColumn {
 /// Optical matter of a material at a line.
 struct Matter {
   double reflectance = 0, transmittance = 0;
+  double mirrored = 0;  ///< by its gloss, at normal incidence
+  /// Where the material has further lobes: the first's part of what is reflected, the first's of what is mirrored, then
+  /// each further one's; else empty, and both are 1 (pulse_lobes.h).
+  std::vector<double> lobe{};
 };
 
 /// The pulse's shape as shares of bins: a hit at bin position p = j + f (j integer, 0 <= f < 1; position 0 = start of

@@ -9,9 +9,10 @@
 #include "host/lidar/air_column.h"
 #include "host/lidar/footprint.h"
 #include "host/lidar/gauss_hermite.h"
+#include "host/lidar/pulse_lobes.h"
 #include "host/lidar/pulse_taps.h"
-#include "host/plan/curve.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::lidar {
 
@@ -19,45 +20,21 @@ namespace {
 
 constexpr double kPlanck_J_s = 6.62607015e-34;
 
-std::vector<double> wavelengths_of(const std::vector<SpectralNode>& nodes) {
-  std::vector<double> out;
-  for (const auto& node : nodes) out.push_back(node.wavelength_um);
-  return out;
-}
-
-/// Mean over each line of values at the nodes.
-std::vector<double> line_means(const LidarPlan& plan, const std::vector<double>& at_nodes) {
-  std::vector<double> out(static_cast<std::size_t>(plan.lines()), 0.0);
-  for (std::size_t n = 0; n < plan.nodes.size(); ++n)
-    out[static_cast<std::size_t>(plan.nodes[n].line)] += plan.nodes[n].weight * at_nodes[n];
-  return out;
-}
-
 std::vector<Matter> matter_of(const LidarPlan& plan, const scene::CompiledScene& scene) {
   const auto lines = static_cast<std::size_t>(plan.lines());
-  const auto wavelengths = wavelengths_of(plan.nodes);
   std::vector<Matter> out(scene.materials.size() * lines);
   base::Problems problems;
   for (const auto m : scene.blocks.empty() ? std::vector<std::uint32_t>{} : scene::used_materials(scene)) {
-    const scene::Material& material = scene.materials[m];
-    if (!material.further.empty()) {
-      problems.add({"", 0, 0, plan.lidar.name}, "pulses know no shape that changes with wavelength",
-                   "material '" + material.name + "'",
-                   "give it one shape, of numbers that hold at the laser's wavelength");
-      continue;
-    }
-    std::vector<double> reflectance, transmittance(lines, 0.0);
     try {
-      const scene::Curve& curve = scene::curve_of(scene, scene::reflectance_curve(scene, m));
-      reflectance = line_means(plan, plan::sample_curve(material, curve, wavelengths));
-      if (!material.transmittance.wavelength_um.empty())
-        transmittance = line_means(plan, plan::sample_curve(material, material.transmittance, wavelengths));
+      for (std::size_t l = 0; l < lines; ++l) out[m * lines + l] = matter_at(plan, scene.materials[m], l);
     } catch (const base::Error& error) {
       problems.add({"", 0, 0, plan.lidar.name}, error.what(), "", "or use another wavelength");
-      continue;
     }
-    for (std::size_t l = 0; l < lines; ++l) out[m * lines + l] = {reflectance[l], transmittance[l]};
   }
+  if (const auto [first, other] = scene::gloss_clash(scene); other && has_line_lobes(scene))
+    problems.add(
+        {"", 0, 0, plan.lidar.name}, "materials of different gloss, one of which changes with wavelength, mixed",
+        "'" + first->name + "' and '" + other->name + "'", "give them one gloss, or set mixture = \"stochastic\"");
   problems.throw_if_any();
   return out;
 }

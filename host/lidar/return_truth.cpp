@@ -8,6 +8,7 @@
 #include "host/base/units.h"
 #include "host/lidar/detector.h"
 #include "host/lidar/overlap.h"
+#include "host/lidar/pulse_lobes.h"
 #include "host/lidar/pulse_taps.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/owner.h"
@@ -100,7 +101,6 @@ int pixel_of(const scene::LidarReceiver& receiver, const Shot& shot, const Vec3&
 struct Diffuse {
   double reflectance = 0, through = 0;  ///< through: leaves
   std::uint32_t material = RC_NONE;     ///< with the largest share
-  scene::Shape front;                   ///< how it spreads what it reflects
 };
 
 Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::uint32_t surface_number, int line) {
@@ -113,7 +113,6 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
     const Matter& matter =
         plan.matter[number * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
     const double share = static_cast<double>(surface.fraction[m]);
-    out.front = scene.materials[number].front;
     out.reflectance += share * matter.reflectance;
     if (scene.materials[number].behind.number == RC_SHAPE_leaf) out.through += share * matter.transmittance;
     if (surface.fraction[m] > largest)
@@ -122,11 +121,10 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
   return out;
 }
 
-/// How many times the radiance of Lambert's law goes from `in` to `out`, unit vectors away from the surface.
-double spread(const scene::Shape& shape, const Vec3& normal, const Vec3& in, const Vec3& out) {
-  if (shape.number == RC_SHAPE_lambert) return 1;
+/// Between `in` and `out`, unit vectors away from the surface.
+RcAngles angles_between(const Vec3& normal, const Vec3& in, const Vec3& out) {
   const auto local = [](const Vec3& v) { return RcLocal{v[0], v[1], v[2]}; };
-  return rc_shape_eval(shape.number, M_PI, shape.parameters(), rc_angles(local(normal), local(in), local(out)));
+  return rc_angles(local(normal), local(in), local(out));
 }
 
 /// Distances from each echo within which a surface's return explains it: the recorded pulse's width and a bin.
@@ -244,10 +242,10 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
                  off_axis = dot(-1.0 * shot.pupil_axis, (1 / home) * back);
     // Angle with the way to the end of the path: the pupil, or back to the exit. Behind a leaf: what it lets through.
     const double facing = backwards ? -dot(point.normal, (1 / out_m) * there) : dot(point.normal, (1 / home) * back);
-    const double scattered =
-        (facing > 0 ? matter.reflectance * spread(matter.front, point.normal, (-1 / out_m) * there, (1 / home) * back)
-                    : matter.through) /
-        M_PI * std::abs(facing);
+    const RcAngles angles = angles_between(point.normal, (-1 / out_m) * there, (1 / home) * back);
+    const double scattered = (facing > 0 ? matter.reflectance * front_form(plan, scene, point.surface, line, angles)
+                                         : matter.through / M_PI) *
+                             std::abs(facing);
     double eta = 1, geometry = 0;
     if (backwards) {
       const double along = dot(there, shot.exit_axis), aside = std::sqrt(std::max(0.0, out_m * out_m - along * along));

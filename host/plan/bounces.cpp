@@ -52,7 +52,8 @@ Curves lobe_factors(const Plan& plan, const scene::Material& material) {
       add(front, [&](const scene::Shape& shape) { return scene::black_sky_albedo(shape, zenith_rad); });
   if (!material.index_n.value.empty())
     for (const double cosine : {1.0, 0.5, 0.25, 0.1})
-      add(gloss, [&](const scene::Shape& shape) { return rc_gloss_mirrored(shape.parameters(), cosine); });
+      add(gloss,
+          [&](const scene::Shape& shape) { return rc_shape_mirrored(shape.number, shape.parameters(), cosine); });
   const auto one = [](const scene::Shape&) { return 1.0; };
   if (!material.front_nodes.empty() && !by_values)
     for (const auto& part : front) add({part}, one);

@@ -477,6 +477,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                         threads);
   plan.sky =
       make_sky_rays(plan.sky_basis, plan.thermal, domain.sun_azimuth, plan.sun_direction, simulation.sky_directions);
+  plan.sky.paths_per_two = simulation.paths_per_two;
 
   fill_report(plan, setting, light, levels, chosen, map_error);
   compare_with_flux_row(plan, setting, light.sky);

@@ -50,7 +50,7 @@ struct SkyRays {
     double on = 0.5;    ///< of surfaces that are met: those count the more the more others they meet
   };
   int rays = 0;           ///< of a pixel, all samples together; where there are paths, paths_beside() of it; 0: neither
-  int paths_per_two = 1;  ///< paths that go with two rays, by the planner's choice
+  int paths_per_two = 1;  ///< paths that go with two rays, by the file or the planner's choice
   double cosine_share = 1;  ///< by the cosine about the normal
   double sun_share = 0;     ///< of the rest, about the sun with this asymmetry; all else evenly
   double asymmetry = 0.5;
@@ -188,7 +188,7 @@ struct Bounces {
 
 /// Paths between surfaces that go with so many rays into the sky: `per_two` for every second, rounded up. By itself one
 /// does; where paths bring most of the noise the planner takes more (PixelTrial::choose_paths).
-constexpr int paths_beside(int sky_rays, int per_two = 1) { return (sky_rays * per_two + 1) / 2; }
+using scene::paths_beside;
 
 /// Keys of the skeleton's rows: this and the number of a row, source of lamps * wavelengths + wavelength, sun and sky
 /// before the lamps. Of no product, and of no environment.

@@ -60,13 +60,20 @@ std::vector<double> largest_return(const Plan& plan, const atmos::RenderTable& t
   return out;
 }
 
-/// How many times white paint's radiance the sun's mirror image has in the narrowest gloss, all light mirrored, at
-/// normal incidence: pi D / 4, D = 1 / (pi roughness^2). Seen at a slant it may be more.
+/// How many times white paint's radiance the sun's mirror image has in a gloss, all light mirrored, at normal
+/// incidence; GGX: pi D / 4, D = 1 / (pi roughness^2). Seen at a slant it may be more.
+double mirror_image(const scene::Shape& shape) {
+  const RcLocal up{0, 0, 1};
+  const RcParameters p = rc_shape_widened(shape.number, shape.parameters(), scene::kLeastRoughness);
+  const double mirrored = rc_shape_mirrored(shape.number, p, 1);
+  const double pi_f = rc_shape_eval(shape.number, std::numbers::pi, p, rc_angles(up, up, up));
+  return mirrored > 0 ? pi_f / mirrored : 0;
+}
+
 double largest_gloss(const scene::CompiledScene& scene) {
   double most = 0;
   for (const auto index : scene::used_materials(scene)) {
-    for (const auto& part : scene::gloss_parts(scene.materials[index]))
-      most = std::max(most, 0.25 / std::pow(std::max(part.shape.parameter[0], scene::kLeastRoughness), 2));
+    for (const auto& part : scene::gloss_parts(scene.materials[index])) most = std::max(most, mirror_image(part.shape));
   }
   return most;
 }

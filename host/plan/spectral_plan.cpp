@@ -96,31 +96,25 @@ std::string what_of(const scene::CompiledScene& scene, std::uint32_t curve) {
 }
 
 /// Of real cameras: what a LIDAR's background is looked at with takes narrow gloss for as wide as that.
-void check_gloss(const scene::CompiledScene& scene, const base::Where& where, base::Problems& problems) {
+void check_width(const scene::CompiledScene& scene, const base::Where& where, base::Problems& problems) {
   for (const auto index : scene::used_families(scene)) {
     const scene::Material& material = scene.materials[index];
     for (const auto& part : scene::gloss_parts(material)) {
-      if (part.shape.parameter[0] >= scene::kLeastRoughness) continue;
+      const double roughness = rc_shape_roughness(part.shape.number, part.shape.parameters());
+      if (roughness >= scene::kLeastRoughness) continue;
       problems.add(where, "gloss of material '" + material.name + "' is narrower than cameras can see",
-                   fmt::format("roughness {:g}", part.shape.parameter[0]),
-                   fmt::format("give it {:g} or more, or remove its gloss", scene::kLeastRoughness));
+                   fmt::format("as narrow as GGX of roughness {:g}", roughness),
+                   fmt::format("make it as wide as one of {:g}, or remove it", scene::kLeastRoughness));
       break;
     }
   }
-  for (const shared::Surface& surface : scene.surfaces) {
-    const scene::Material *first = nullptr, *other = nullptr;
-    scene::for_each_material(surface, [&](std::size_t material, float) {
-      const scene::Material& here = scene.materials[material];
-      if (here.gloss.number == RC_SHAPE_none) return;
-      if (first && !scene::gloss_alike(*first, here)) other = &here;
-      if (!first) first = &here;
-    });
-    if (!other) continue;
+}
+
+void check_mixed_gloss(const scene::CompiledScene& scene, const base::Where& where, base::Problems& problems) {
+  if (const auto [first, other] = scene::gloss_clash(scene); other)
     problems.add(where, "materials of different gloss mixed in a cell",
                  "'" + first->name + "' and '" + other->name + "'",
                  "give them one gloss, or set mixture = \"stochastic\"");
-    return;
-  }
 }
 
 }  // namespace
@@ -133,7 +127,8 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
     const std::string& name = file != curve_file.end() ? file->second : material.source;
     return name.empty() ? std::string("this") : "'" + name + "'";
   };
-  if (instrument.auto_bounces) check_gloss(scene, where, problems);
+  if (instrument.auto_bounces) check_width(scene, where, problems);
+  check_mixed_gloss(scene, where, problems);
   std::set<std::pair<std::uint32_t, std::uint32_t>>
       told;  // family and role: its members have the wavelengths of one file
   for (const auto curve : scene::seen_curves(scene)) {
@@ -145,10 +140,11 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
     const auto& x = scene::curve_of(scene, curve).wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
-      check_range(
-          problems, where, instrument.bands, x.front(), x.back(),
-          what_of(scene, curve) + " of material '" + material.name + "'",
-          "take these bands out or give a wider curve than " + source(material) + " (" + gaussian_reach() + ")");
+      check_range(problems, where, instrument.bands, x.front(), x.back(),
+                  what_of(scene, curve) + " of material '" + material.name + "'",
+                  "take these bands out or give a wider curve than " +
+                      (role == RC_CURVE_GLOSS ? "the file of n and k" : source(material)) + " (" + gaussian_reach() +
+                      ")");
   }
 }
 

@@ -20,7 +20,7 @@ namespace raycube::planner {
 /// Sky directions of the first look; fewer where the file gives fewer. Its samples: SamplePattern::look.
 inline constexpr int kLookDirections = 16;
 /// Paths between surfaces that go with two rays into the sky, at most.
-inline constexpr int kMostPathsPerTwo = 8;
+using scene::kMostPathsPerTwo;
 
 /// Errors of samples and of sky directions, each by itself.
 struct SettingErrors {

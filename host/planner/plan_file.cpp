@@ -186,10 +186,13 @@ void require_applicable(const PlanFile::Entry& entry, const scene::Simulation& s
   if (simulation.sky_directions_given && plan.sends_rays() && simulation.sky_directions != s.directions)
     conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
              std::to_string(s.directions) + " sky directions");
-  if (simulation.sky_directions_given && plan.bounces.any() && s.paths_per_two != 1)
-    conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
-             fmt::format("{} paths between surfaces for two sky directions, where directions of the file have one",
-                         s.paths_per_two));
+  const int given = scene::paths_beside(simulation.sky_directions, simulation.paths_per_two),
+            planned = scene::paths_beside(s.directions, s.paths_per_two);
+  if (simulation.sky_directions_given && plan.bounces.any() && given != planned)
+    conflict(path, entry.name, simulation.paths_per_two > 1 ? "paths" : "sky_directions",
+             simulation.paths_per_two > 1 ? std::to_string(given)
+                                          : fmt::format("{}, {} paths", simulation.sky_directions, given),
+             fmt::format("{} paths between surfaces", planned));
 }
 
 /// What the plan's trial found, for the scene that it was made for.

@@ -403,6 +403,7 @@ Decision as_given(const scene::Simulation& simulation, const scene::Instrument& 
   out.sampling = {instrument.sampler,      instrument.samples_u, instrument.samples_v, simulation.sky_directions, 1,
                   instrument.first_samples};
   out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
+  if (out.directions_given) out.sampling.paths_per_two = simulation.paths_per_two;
   out.tolerance = simulation.tolerance;
   out.plan_error = out.plan_estimate = plan.report.total_error;
   count_cost(out, plan);

@@ -129,7 +129,8 @@ void BouncedLight::add_ground(Walk& walk) const {
 }
 
 bool BouncedLight::mirror(const Sample& gloss, Walk& walk) const {
-  const double a = scene::gloss_of(scene_.compiled, gloss.hit.primitive)->parameter[0];
+  const scene::Shape& shape = *scene::gloss_of(scene_.compiled, gloss.hit.primitive);
+  const double a = rc_shape_roughness(shape.number, shape.parameters());
   const double u = walk.draw(), tan = a * std::sqrt(u / (1 - u)), cosine = 1 / std::sqrt(1 + tan * tan);
   const glm::dvec3 viewer = -glm::normalize(to_double(gloss.ray.direction));
   const glm::dvec3 facet = by_cosine(gloss.normal, 1 - cosine * cosine, walk.draw());

@@ -66,8 +66,9 @@ void Walk::connect_surface(const Path& path, const LidarHit& hit) {
   const double cosine = glm::dot(hit.normal, way->direction);
   std::vector<double> sent(lines_, 0);
   double most = 0;
-  const SurfaceLobes lobes = lobes_of(scene_, hit.surface, hit.normal, -path.direction, way->direction);
   for (std::size_t line = 0; line < lines_; ++line) {
+    const SurfaceLobes lobes =
+        lobes_of(scene_, plan_, hit.surface, static_cast<int>(line), hit.normal, -path.direction, way->direction);
     const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
     sent[line] = cosine > 0 ? (matter.reflectance * lobes.front + lobes.gloss) * cosine : matter.leaf / M_PI * -cosine;
     most = std::max(most, sent[line]);

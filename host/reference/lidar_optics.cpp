@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "scene_compiler/matter.h"
+#include "host/lidar/pulse_lobes.h"
 
 namespace raycube::reference {
 
@@ -23,10 +23,6 @@ double segment(double y) {
 }
 
 RcLocal local(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-double eval(const scene::Shape& shape, const RcAngles& angles) {
-  return rc_shape_eval(shape.number, 1, shape.parameters(), angles);
-}
 
 }  // namespace
 
@@ -72,23 +68,16 @@ LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan&
     const lidar::Matter& matter =
         plan.matter[material * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
     const double share = mixed.fraction[i];
-    out.reflectance += share * matter.reflectance;
+    out.reflectance += share * matter.reflectance, out.gloss += share * matter.mirrored;
     (scene.materials[material].behind.number == RC_SHAPE_plate ? out.plate : out.leaf) += share * matter.transmittance;
   }
   return out;
 }
 
-SurfaceLobes lobes_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
-                      const glm::dvec3& in, const glm::dvec3& out) {
+SurfaceLobes lobes_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line,
+                      const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out) {
   const RcAngles angles = rc_angles(local(normal), local(in), local(out));
-  SurfaceLobes lobes;
-  scene::for_each_material(scene.surfaces[surface], [&](std::size_t index, float share) {
-    const scene::Material& material = scene.materials[index];
-    lobes.front = eval(material.front, angles);
-    if (material.gloss.number != RC_SHAPE_none)
-      lobes.gloss += static_cast<double>(share) * eval(material.gloss, angles);
-  });
-  return lobes;
+  return {lidar::front_form(plan, scene, surface, line, angles), lidar::gloss_form(plan, scene, surface, line, angles)};
 }
 
 RcLocal draw_direction(const scene::CompiledScene& scene, std::uint32_t surface, bool front, const RcLocal& in,
@@ -98,12 +87,25 @@ RcLocal draw_direction(const scene::CompiledScene& scene, std::uint32_t surface,
   return rc_shape_sample(shape.number, shape.parameters(), in, u, v);
 }
 
-double drawn_weight(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
-                    const glm::dvec3& in, const glm::dvec3& out) {
+RcLocal draw_mirrored(const scene::CompiledScene& scene, std::uint32_t surface, const RcLocal& in, double u, double v) {
+  return rc_mirror_or_cosine(lidar::gloss_alpha(scene, surface), in, u, v);
+}
+
+double mirrored_weight(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line,
+                       const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out) {
+  const RcAngles angles = rc_angles(local(normal), local(in), local(out));
+  if (!(angles.cos_out > 0)) return 0;
+  return lidar::gloss_form(plan, scene, surface, line, angles) * angles.cos_out /
+         rc_mirror_or_cosine_pdf(lidar::gloss_alpha(scene, surface), angles);
+}
+
+double drawn_weight(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line,
+                    const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out) {
   const scene::Shape shape = scene.materials[scene.surfaces[surface].material[0] - 1].front;
   if (shape.number == RC_SHAPE_lambert) return 1;
   const RcAngles angles = rc_angles(local(normal), local(in), local(out));
-  return eval(shape, angles) * angles.cos_out / rc_shape_pdf(shape.number, shape.parameters(), angles);
+  return lidar::front_form(plan, scene, surface, line, angles) * angles.cos_out /
+         rc_shape_pdf(shape.number, shape.parameters(), angles);
 }
 
 }  // namespace raycube::reference

@@ -24,8 +24,9 @@ struct LidarMatter {
   double reflectance = 0;  ///< diffuse
   double leaf = 0;         ///< transmitted, diffuse into the half-space behind
   double plate = 0;        ///< goes straight on
-  double scattered() const { return reflectance + leaf; }
-  double absorbed() const { return 1 - reflectance - leaf - plate; }
+  double gloss = 0;        ///< mirrored at normal incidence
+  double scattered() const { return reflectance + leaf + gloss; }
+  double absorbed() const { return 1 - scattered() - plate; }
 };
 LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line);
 
@@ -35,15 +36,20 @@ struct SurfaceLobes {
   double front = 0;  ///< per unit of its reflectance
   double gloss = 0;  ///< area mean of its materials' gloss
 };
-SurfaceLobes lobes_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
-                      const glm::dvec3& in, const glm::dvec3& out);
+SurfaceLobes lobes_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line,
+                      const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out);
 
 /// A direction about the surface's normal, or behind it, by its shape; in: where light comes from, same frame.
 RcLocal draw_direction(const scene::CompiledScene& scene, std::uint32_t surface, bool front, const RcLocal& in,
                        double u, double v);
 
+/// A direction by the surface's gloss; z < 0: into it, where paths end. Then f cos / density of one, as above.
+RcLocal draw_mirrored(const scene::CompiledScene& scene, std::uint32_t surface, const RcLocal& in, double u, double v);
+double mirrored_weight(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line,
+                       const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out);
+
 /// f cos / density of a direction drawn by the surface's shape, per unit of its reflectance: 1 by Lambert's law.
-double drawn_weight(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
-                    const glm::dvec3& in, const glm::dvec3& out);
+double drawn_weight(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line,
+                    const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out);
 
 }  // namespace raycube::reference

@@ -66,7 +66,9 @@ std::string LidarReport::text() const {
            three_digits(limits.air_end) + ")";
   out += "\nledger: closes to " + three_digits(ledger_closure) + " (limit " + three_digits(limits.ledger) + ")";
   if (!has_scattered) out += ", entries differ by " + three_digits(ledger_difference);
-  if (has_scattered)
+  if (has_scattered && scattered.groups == 0)
+    out += "\nscattered more than once: too little was collected to be compared; a wider receiver sees more of it";
+  else if (has_scattered)
     out += "\nscattered more than once: on the same draws " + std::to_string(scattered.same_draws) + " of " +
            std::to_string(scattered.pulses) + " pulses agree in every bin; on others energy " +
            three_digits(scattered.energy_ratio) + " of the reference's (" + three_digits(scattered.energy_z) +

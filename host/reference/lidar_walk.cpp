@@ -120,6 +120,36 @@ void Walk::escape(const Path& path) {
     result_.ledger[line].escaped += ledger_share_ * path.energy[line] * transmission(line, path.depth);
 }
 
+void Walk::truncate(const Path& path) {
+  for (std::size_t line = 0; line < lines_; ++line)
+    result_.ledger[line].truncated += ledger_share_ * path.energy[line] * transmission(line, path.depth);
+}
+
+namespace {
+
+/// Branchless basis about a unit normal of Duff et al. 2017.
+struct Basis {
+  glm::dvec3 x, y, n;
+  explicit Basis(const glm::dvec3& normal) : n(normal) {
+    const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), c = n.x * n.y * a;
+    x = {1 + sign * n.x * n.x * a, sign * c, -sign * n.x}, y = {c, sign + n.y * n.y * a, -n.y};
+  }
+  RcLocal into(const glm::dvec3& v) const { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, n)}; }
+  glm::dvec3 out_of(const RcLocal& v) const { return v.x * x + v.y * y + v.z * n; }
+};
+
+}  // namespace
+
+Walk::Chances Walk::chances(const LidarHit& hit, bool diffuse, bool straight) const {
+  Chances of;
+  for (std::size_t line = 0; line < lines_; ++line) {
+    const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
+    if (diffuse) of.up += matter.reflectance, of.down += matter.leaf, of.mirrored += matter.gloss;
+    if (straight) of.on += matter.plate;
+  }
+  return of;
+}
+
 std::optional<Walk::Drawn> Walk::draw(const Path& path, const LidarHit& hit, unsigned step, bool diffuse,
                                       bool straight) const {
   const auto seed = static_cast<rc_u32>(options_.own_seed ? options_.seed : plan_.seed);
@@ -128,38 +158,30 @@ std::optional<Walk::Drawn> Walk::draw(const Path& path, const LidarHit& hit, uns
   const auto unit = [&](rc_u32 dimension) {
     return static_cast<double>(rc_unit_float(rc_hash(seed, key, number, dimension)));
   };
-  double up = 0, down = 0, on = 0;  // sums over lines: one choice for all, each line's weight makes up for it
-  for (std::size_t line = 0; line < lines_; ++line) {
-    const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
-    if (diffuse) up += matter.reflectance, down += matter.leaf;
-    if (straight) on += matter.plate;
-  }
-  const double all = up + down + on;
+  const Chances of = chances(hit, diffuse, straight);
+  const double all = of.up + of.down + of.on + of.mirrored;
   if (!(all > 0)) return {};
-  const double lobe = unit(RC_DRAW_LOBE(step)) * all;
+  const double lobe = unit(RC_DRAW_LOBE(step)) * all, u = unit(RC_DRAW_RADIUS(step)), v = unit(RC_DRAW_ANGLE(step));
+  const bool mirrored = of.mirrored > 0 && lobe >= of.up + of.down + of.on, up = !mirrored && lobe < of.up;
   Drawn out;
-  double spread = 1;
-  out.scattered = lobe < up + down || on == 0;
+  out.direction = path.direction;
+  out.scattered = mirrored || lobe < of.up + of.down || of.on == 0;
+  const glm::dvec3 n = up || mirrored ? hit.normal : -hit.normal, from = -path.direction;
   if (out.scattered) {
-    // Branchless basis of Duff et al. 2017.
-    const glm::dvec3 n = lobe < up ? hit.normal : -hit.normal;
-    const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), c = n.x * n.y * a;
-    const glm::dvec3 x{1 + sign * n.x * n.x * a, sign * c, -sign * n.x}, y{c, sign + n.y * n.y * a, -n.y};
-    const glm::dvec3 from = -path.direction;
-    const RcLocal in{glm::dot(from, x), glm::dot(from, y), glm::dot(from, n)};
-    const RcLocal drawn =
-        draw_direction(scene_, hit.surface, lobe < up, in, unit(RC_DRAW_RADIUS(step)), unit(RC_DRAW_ANGLE(step)));
-    out.direction = drawn.x * x + drawn.y * y + drawn.z * n;
-    if (lobe < up) spread = drawn_weight(scene_, hit.surface, n, from, out.direction);
-  } else {
-    out.direction = path.direction;
+    const Basis basis(n);
+    out.direction = basis.out_of(mirrored ? draw_mirrored(scene_, hit.surface, basis.into(from), u, v)
+                                          : draw_direction(scene_, hit.surface, up, basis.into(from), u, v));
   }
-  const double chance = (out.scattered ? (lobe < up ? up : down) : on) / all;
+  const double chance = (mirrored ? of.mirrored : !out.scattered ? of.on : up ? of.up : of.down) / all;
   for (std::size_t line = 0; line < lines_; ++line) {
     const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
-    out.factor.push_back((out.scattered ? (lobe < up ? matter.reflectance * spread : matter.leaf) : matter.plate) /
-                         chance);
+    const auto at = static_cast<int>(line);
+    double sent = out.scattered ? matter.leaf : matter.plate;
+    if (mirrored) sent = mirrored_weight(scene_, plan_, hit.surface, at, n, from, out.direction);
+    if (up) sent = matter.reflectance * drawn_weight(scene_, plan_, hit.surface, at, n, from, out.direction);
+    out.factor.push_back(sent / chance);
   }
+  out.ends = mirrored && !(glm::dot(out.direction, n) > 0);
   return out;
 }
 
@@ -174,6 +196,7 @@ void Walk::scatter(Path path, LidarHit hit) {
       path.share[line] *= drawn->factor[line];
       path.energy[line] *= (last ? 0 : matter.scattered()) + (first ? 0 : matter.plate);
     }
+    if (drawn->ends) return truncate(path);
     if (path.order == 0) path.first_m = path.length_m + hit.t_m;
     if (drawn->scattered) ++path.order;
     path.length_m += hit.t_m;

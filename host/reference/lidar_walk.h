@@ -64,8 +64,16 @@ class Walk {
   struct Drawn {
     glm::dvec3 direction{0};
     bool scattered = false;      ///< else straight on
+    bool ends = false;           ///< mirrored into its own surface
     std::vector<double> factor;  ///< [line]
   };
+  /// Sums over lines, by which one choice is made for all: each line's factor makes up for it.
+  struct Chances {
+    double up = 0, down = 0, on = 0, mirrored = 0;
+  };
+  Chances chances(const LidarHit& hit, bool diffuse, bool straight) const;
+  /// Books what is left of a path that ends.
+  void truncate(const Path& path);
   /// One lobe of a vertex by the draws of a step (kernels/sampling/lidar_draws.h). Nothing: no light goes on.
   std::optional<Drawn> draw(const Path& path, const LidarHit& hit, unsigned step, bool diffuse, bool straight) const;
   /// Light that scattered at its first vertex, until it ends: every further vertex sends its share back.

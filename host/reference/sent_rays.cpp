@@ -45,12 +45,17 @@ glm::dvec3 viewer_of(const Sample& side) {
   return -glm::normalize(glm::dvec3(side.ray.direction[0], side.ray.direction[1], side.ray.direction[2]));
 }
 
+double roughness_of(const scene::CompiledScene& scene, const Sample& side) {
+  const scene::Shape& gloss = *scene::gloss_of(scene, side.hit.primitive);
+  return rc_shape_roughness(gloss.number, gloss.parameters());
+}
+
 /// The same with the share of a gloss: facets by Trowbridge and Reitz (J. Opt. Soc. Am. 65, 531, 1975), mirrored.
 double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side,
                   const glm::dvec3& direction) {
   const double law = law_density(plan, side.normal, direction);
   if (side.rays != RC_GLOSS_SIDE) return law;
-  const double a = scene::gloss_of(scene, side.hit.primitive)->parameter[0];
+  const double a = roughness_of(scene, side);
   const glm::dvec3 facet = glm::normalize(viewer_of(side) + direction);
   const double cosine = glm::dot(facet, side.normal), turn = glm::dot(facet, direction);
   const glm::dvec3 across = glm::cross(facet, side.normal);
@@ -64,7 +69,7 @@ double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, con
                 const Sample& side) {
   const glm::vec3 n(side.normal), v(viewer_of(side));
   if (side.rays != RC_GLOSS_SIDE) return rc_sky_ray(law, seed, pixel, number, n.x, n.y, n.z);
-  const auto roughness = static_cast<float>(scene::gloss_of(scene, side.hit.primitive)->parameter[0]);
+  const auto roughness = static_cast<float>(roughness_of(scene, side));
   return rc_gloss_way(law, roughness, seed, pixel, number, n.x, n.y, n.z, v.x, v.y, v.z);
 }
 

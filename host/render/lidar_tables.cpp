@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host/base/error.h"
+#include "host/lidar/pulse_lobes.h"
 #include "kernels/lidar/layout.h"
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
@@ -57,30 +58,30 @@ void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene
   bool leaves = false, plates = false;
   for (const auto& surface : scene.surfaces) {
     for (std::size_t line = 0; line < lines; ++line) {
-      double rho = 0, leaf = 0, plate = 0;
+      double rho = 0, leaf = 0, plate = 0, mirrored = 0;
       for (int i = 0; i < 4; ++i) {
         if (surface.material[i] == 0) continue;
         const std::size_t material = surface.material[i] - 1;
         const lidar::Matter& matter = plan.matter[material * lines + line];
-        rho += surface.fraction[i] * matter.reflectance;
+        rho += surface.fraction[i] * matter.reflectance, mirrored += surface.fraction[i] * matter.mirrored;
         (scene.materials[material].behind.number == RC_SHAPE_plate ? plate : leaf) +=
             surface.fraction[i] * matter.transmittance;
       }
       leaves |= leaf > 0;
       plates |= plate > 0;
-      tables.optics.push_back({static_cast<float>(rho), static_cast<float>(leaf), static_cast<float>(plate), 0});
+      tables.optics.push_back(
+          {static_cast<float>(rho), static_cast<float>(leaf), static_cast<float>(plate), static_cast<float>(mirrored)});
     }
   }
   bool gloss = false;
   for (const auto& material : scene.materials) gloss |= material.gloss.number != RC_SHAPE_none;
   const bool shaped = scene::first_shaped(scene) != nullptr;
-  if (gloss || shaped) tables.lobes = scene::surface_lobes(scene);
+  if (gloss || shaped) tables.lobes = lidar::pulse_lobes(plan, scene);
   tables.options +=
       define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
   if (shaped) tables.options += define("RC_SHAPED", 1);
-  // Of materials that no pulse meets: those that one may meet are refused.
   if (const std::uint32_t further = scene::curve_roles(scene) - RC_CURVE_ROLES; further > 0)
-    tables.options += define("RC_FURTHER_RECORDS", further);
+    tables.options += define("RC_FURTHER_RECORDS", further) + define("RC_LOBE_LINES", lines);
 }
 
 void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {

@@ -97,9 +97,14 @@ std::vector<shared::Lobe> lobes_of(const scene::CompiledScene& scene) {
   const auto matter = scene::camera_matter(scene);
   if (!matter.shaped && !matter.through) return std::vector<shared::Lobe>(1);
   auto lobes = scene::surface_lobes(scene);
-  for (shared::Lobe& lobe : lobes)
-    if (lobe.shape == RC_SHAPE_gloss)
-      lobe.parameter[0] = std::max(lobe.parameter[0], static_cast<float>(scene::kLeastRoughness));
+  const std::size_t records =
+      scene.surfaces.size() * (RC_LOBES + scene::curve_roles(scene) - RC_CURVE_ROLES);  // then tables
+  for (std::size_t i = 0; i < records; ++i) {
+    RcParameters wide{};
+    std::copy(std::begin(lobes[i].parameter), std::end(lobes[i].parameter), wide.of);
+    wide = rc_shape_widened(lobes[i].shape, wide, static_cast<double>(static_cast<float>(scene::kLeastRoughness)));
+    for (int k = 0; k < 6; ++k) lobes[i].parameter[k] = static_cast<float>(wide.of[k]);
+  }
   return lobes;
 }
 

@@ -328,7 +328,7 @@ plan::Plan plan_without_air(scene::Simulation& simulation, const scene::LightBud
   simulation.atmosphere.none = true;
   simulation.thermal_below_3um = false;
   simulation.lamps.clear();
-  simulation.sky_directions = 1, simulation.sky_directions_given = true;
+  simulation.sky_directions = 1, simulation.sky_directions_given = true, simulation.paths_per_two = 1;
   simulation.bounces_given = true;
   const int bounces = std::exchange(simulation.bounces, 0);
   const scene::Sun sun = simulation.sun;

@@ -154,7 +154,7 @@ std::vector<double> white_radiance(const render::RenderOptions& options, const s
   panel.scene = white_panel();
   panel.sun = simulation.sun;
   panel.atmosphere = simulation.atmosphere;
-  panel.sky_directions = 1, panel.sky_directions_given = true;
+  panel.sky_directions = 1, panel.sky_directions_given = true, panel.paths_per_two = 1;
   scene::Measure small;
   small.name = "panel", small.size_m = {10, 10}, small.pixels = 4, small.samples = 1;
   const scene::Instrument camera = camera_of(small, {}, {}, {0, 0}, bands);
@@ -272,7 +272,7 @@ MeasureResult measure(render::Renderer& renderer, const render::RenderOptions& o
   simulation.atmosphere.none = true;
   simulation.thermal_below_3um = false;
   simulation.lamps.clear();
-  simulation.sky_directions = 2 * measure.paths, simulation.sky_directions_given = true;
+  simulation.sky_directions = 2 * measure.paths, simulation.sky_directions_given = true, simulation.paths_per_two = 1;
   simulation.bounces_given = true;
   const std::vector<double> white = white_radiance(options, simulation, bands, services);
   const Level level = level_of(measure, simulation.scene);

@@ -118,7 +118,7 @@ void preview(render::Renderer& renderer, scene::Simulation& simulation, const sc
   const plan::ViewBounds view = sensors::view_bounds(shown);
   const atmos::RenderTable table = air_table(air_request(simulation, shown, view.sensor_height_m), services);
   plan::Plan plan = plan::make_plan(simulation, shown, table, view, services.threads);
-  plan.sky.rays = kPreviewDirections;
+  plan.sky.rays = kPreviewDirections, plan.sky.paths_per_two = 1;
   plan.sky.open_share.assign(simulation.scene.surfaces.size(), kOpenShare);
 
   Picture picture(shown, settings.most_pixels);

@@ -145,7 +145,7 @@ static inline void rc_depths_home(const LidarTables* t, const Paths16* paths, Ve
 #if RC_GLOSS || RC_SHAPED
 /* 1/sr: what is reflected per unit of reflectance, and the gloss beside it. */
 typedef struct Lobes16 {
-  float front[16], gloss[16];
+  float front[RC_LOBE_LINES][16], gloss[RC_LOBE_LINES][16];
 } RC_LINE Lobes16;
 
 /* Of light that arrived along `way` and leaves along `home`, in `lanes`. */
@@ -156,15 +156,17 @@ static inline void rc_lobes16(const LidarTables* t, const Vertex16* vertex, Vect
   rc_store_vector16(way, in);
   rc_store_vector16(home, out);
   for (uint k = 0; k < 16u; ++k) {
-    lobes->front[k] = lobes->gloss[k] = 0.0f;
+    for (uint line = 0; line < RC_LOBE_LINES; ++line) lobes->front[line][k] = lobes->gloss[line][k] = 0.0f;
     if (!(lanes >> k & 1u)) continue;
     const RcAngles angles = rc_angles(rc_lane4(normal, k), -rc_lane4(in, k), rc_lane4(out, k));
+    for (uint line = 0; line < RC_LOBE_LINES; ++line) {
 #if RC_GLOSS
-    lobes->gloss[k] = rc_gloss(t, vertex->surface[k], angles);
+      lobes->gloss[line][k] = rc_gloss(t, vertex->surface[k], line, angles);
 #endif
 #if RC_SHAPED
-    lobes->front[k] = rc_front(t, vertex->surface[k], angles);
+      lobes->front[line][k] = rc_front(t, vertex->surface[k], line, 1.0f, angles);
 #endif
+    }
   }
 }
 #endif
@@ -252,12 +254,12 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
 
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
 #if RC_SHAPED
-    float16 scatter = rc_matter16(t, vertex, line, 0) * rc_load16(0, lobes.front);
+    float16 scatter = rc_matter16(t, vertex, line, 0) * rc_load16(0, lobes.front[RC_LOBE_LINE(line)]);
 #else
     float16 scatter = rc_matter16(t, vertex, line, 0) * RC_INVERSE_PI;
 #endif
 #if RC_GLOSS
-    scatter += rc_load16(0, lobes.gloss);
+    scatter += rc_load16(0, lobes.gloss[RC_LOBE_LINE(line)]);
 #endif
     scatter *= fmax(facing, 0.0f);
 #if RC_LEAVES

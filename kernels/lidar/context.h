@@ -127,8 +127,8 @@ typedef struct LidarTables {
   global const float4* shot;       /* the owner's record */
   global const float* samples;     /* [chunk] as struct Scatter */
   global const float* exits;       /* [2][rays, padded]: exit_a, exit_b */
-  global const float4* optics;     /* [surface][line]: reflectance, diffuse transmittance, straight transmittance, 0 */
-  global const Lobe* lobes;        /* [surface][RC_LOBE_STRIDE] */
+  global const float4* optics;     /* [surface][line]: reflectance, diffuse transmittance, straight one, gloss */
+  global const Lobe* lobes;        /* [surface][line, where those differ][RC_LOBE_STRIDE]; then tables */
   global const float* photons;     /* [line] */
   global const float* node_weight; /* [node] */
   global const uint* first_node;   /* [line + 1] */

@@ -5,21 +5,56 @@
 #include "kernels/lidar/context.h"
 #include "kernels/materials/shapes.h"
 
-/* 1/sr per unit of the reflectance curve. */
-static inline float rc_front(const LidarTables* t, uint surface, RcAngles angles) {
-  const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE];
-  return rc_shape_eval(lobe.shape, 1.0f, rc_parameters(lobe.parameter), angles);
+#ifndef RC_LOBE_LINES
+#define RC_LOBE_LINES 1 /* lines whose lobes have shares of their own */
+#endif
+#define RC_LOBE_LINE(line) (RC_LOBE_LINES > 1 ? (line) : 0u)
+
+static inline global const Lobe* rc_first_lobe(const LidarTables* t, uint surface, uint line) {
+  return t->lobes + (surface * RC_LOBE_LINES + RC_LOBE_LINE(line)) * RC_LOBE_STRIDE;
+}
+
+/* Sum of a surface's further lobes of one role, 1/sr, `scale` times. */
+static inline float rc_further(const LidarTables* t, global const Lobe* first, uint role, float scale,
+                               RcAngles angles) {
+  float sum = 0.0f;
+  for (uint i = RC_LOBES; i < RC_LOBE_STRIDE; ++i) {
+    const Lobe lobe = first[i];
+    if (lobe.share == 0.0f || rc_shape_role(lobe.shape) != role) continue;
+    sum += rc_shape_eval(lobe.shape, scale * lobe.share, rc_parameters(t->lobes, lobe), angles);
+  }
+  return sum;
+}
+
+/* 1/sr per unit of a surface's reflectance of a line, `scale` times. */
+static inline float rc_front(const LidarTables* t, uint surface, uint line, float scale, RcAngles angles) {
+  global const Lobe* first = rc_first_lobe(t, surface, line);
+  const Lobe lobe = *first;
+  return rc_shape_eval(lobe.shape, scale * lobe.share, rc_parameters(t->lobes, lobe), angles) +
+         rc_further(t, first, RC_ROLE_front, scale, angles);
 }
 
 /* BRDF, 1/sr, of a surface's glossy materials. */
-static inline float rc_gloss(const LidarTables* t, uint surface, RcAngles angles) {
-  float sum = 0.0f;
+static inline float rc_gloss(const LidarTables* t, uint surface, uint line, RcAngles angles) {
+  global const Lobe* first = rc_first_lobe(t, surface, line);
+  float sum = rc_further(t, first, RC_ROLE_gloss, 1.0f, angles);
   for (uint i = 1; i < RC_LOBE_BEHIND; ++i) {
-    const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + i];
+    const Lobe lobe = first[i];
     if (!(lobe.share > 0.0f)) continue;
-    sum += rc_shape_eval(lobe.shape, lobe.share, rc_parameters(lobe.parameter), angles);
+    sum += rc_shape_eval(lobe.shape, lobe.share, rc_parameters(t->lobes, lobe), angles);
   }
   return sum;
+}
+
+/* alpha of the facets by which paths look for light that a surface's gloss sends on: the roughest of its lobes. */
+static inline float rc_gloss_alpha(const LidarTables* t, uint surface) {
+  global const Lobe* first = rc_first_lobe(t, surface, 0u);
+  float alpha = 0.0f;
+  for (uint i = 0; i < RC_LOBE_STRIDE; ++i) {
+    const Lobe lobe = first[i];
+    alpha = fmax(alpha, rc_shape_roughness(lobe.shape, rc_parameters(t->lobes, lobe)));
+  }
+  return alpha;
 }
 
 /* A frame about a unit normal: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017. */

@@ -76,7 +76,7 @@ static inline void rc_begin_paths(const LidarTables* t, const Rays16* rays, int1
                                   Paths16* paths) {
   global const float4* shot = t->shot;
   paths->way = rays->direction;
-#if RC_RECEIVER || RC_GLOSS || RC_MEDIA || RC_CONTINUES
+#if RC_RECEIVER || RC_GLOSS || RC_SHAPED || RC_MEDIA || RC_CONTINUES
   const float16 over_length = 1.0f / sqrt(rc_dot16(rays->direction, rays->direction));
   paths->way.x *= over_length;
   paths->way.y *= over_length;
@@ -132,7 +132,7 @@ static inline void rc_count_rays(const LidarTables* t, const Paths16* paths, glo
 static inline void rc_split_at_vertex(const LidarTables* t, const Vertex16* vertex, Paths16* paths, float16* gone,
                                       LidarSums* sums) {
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
-    const float16 diffuse = rc_matter16(t, vertex, line, 0) + rc_matter16(t, vertex, line, 1);
+    const float16 scattered = rc_scattered16(t, vertex, line);
 #if RC_PLATES
     const float16 plate = rc_matter16(t, vertex, line, 2);
 #else
@@ -142,10 +142,10 @@ static inline void rc_split_at_vertex(const LidarTables* t, const Vertex16* vert
     LidarSums apart_sums;
     apart_sums.ledger[line][RC_LEDGER_TRUNCATED] = 0;
     apart_sums.ledger[line][RC_LEDGER_ABSORBED] = 0;
-    rc_split_energy(paths, line, plate, diffuse, &apart_sums, RC_LEDGER_TRUNCATED);
+    rc_split_energy(paths, line, plate, scattered, &apart_sums, RC_LEDGER_TRUNCATED);
     sums->ledger[line][RC_LEDGER_ABSORBED] += apart_sums.ledger[line][RC_LEDGER_ABSORBED];
 #else
-    rc_split_energy(paths, line, plate, diffuse, sums, RC_LEDGER_TRUNCATED);
+    rc_split_energy(paths, line, plate, scattered, sums, RC_LEDGER_TRUNCATED);
 #endif
 #if RC_PLATES
     paths->weight[line] *= plate;
@@ -230,10 +230,8 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 #endif
 #if RC_BOUNCES > 1
     Paths16 scattered = paths;
-    for (uint line = 0; line < RC_LASER_LINES; ++line) {
-      const float16 diffuse = rc_matter16(t, &vertex, line, 0) + rc_matter16(t, &vertex, line, 1);
-      scattered.energy[line] = rc_share16(paths.energy[line], diffuse);
-    }
+    for (uint line = 0; line < RC_LASER_LINES; ++line)
+      scattered.energy[line] = rc_share16(paths.energy[line], rc_scattered16(t, &vertex, line));
 #endif
     rc_split_at_vertex(t, &vertex, &paths, gone, sums);
 #if RC_STOPPED

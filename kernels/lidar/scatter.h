@@ -9,24 +9,43 @@
 #if RC_BOUNCES > 1
 /* Direction in which a path goes on from a surface: on the side that it came from (`front`) by the surface's shape,
  * behind it by the cosine law. n: normal on that side; way: in which light arrived. spread: f cos over the direction's
- * density, per unit of reflectance; 1 by Lambert's law. */
+ * density, per unit of reflectance, [RC_LOBE_LINES]; 1 by Lambert's law. */
 static inline float4 rc_draw_direction(const LidarTables* t, uint key, uint ray, uint step, uint surface, float4 n,
                                        float4 way, bool front, float* spread) {
   const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))),
               v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
   const Frame frame = rc_frame(front ? n : -n);
 #if RC_SHAPED
-  const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE];
+  const Lobe lobe = *rc_first_lobe(t, surface, 0u);
   if (front && lobe.shape != RC_SHAPE_lambert) {
-    const RcParameters p = rc_parameters(lobe.parameter);
+    const RcParameters p = rc_parameters(t->lobes, lobe);
     const float4 direction = rc_from_frame(frame, rc_shape_sample(lobe.shape, p, rc_to_frame(frame, -way), u, v));
     const RcAngles angles = rc_angles(n, -way, direction);
-    *spread = rc_shape_eval(lobe.shape, angles.cos_out, p, angles) / rc_shape_pdf(lobe.shape, p, angles);
+    for (uint line = 0; line < RC_LOBE_LINES; ++line)
+      spread[line] = rc_front(t, surface, line, angles.cos_out, angles) / rc_shape_pdf(lobe.shape, p, angles);
     return direction;
   }
 #endif
   return rc_from_frame(frame, rc_cosine_law(u, v));
 }
+
+#if RC_GLOSS
+/* The same by the surface's gloss, on the side that the path came from. */
+static inline float4 rc_draw_mirrored(const LidarTables* t, uint key, uint ray, uint step, uint surface, float4 n,
+                                      float4 way, float* spread) {
+  const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))),
+              v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
+  const Frame frame = rc_frame(n);
+  const float alpha = rc_gloss_alpha(t, surface);
+  const float4 direction = rc_from_frame(frame, rc_mirror_or_cosine(alpha, rc_to_frame(frame, -way), u, v));
+  const RcAngles angles = rc_angles(n, -way, direction);
+  for (uint line = 0; line < RC_LOBE_LINES; ++line)
+    spread[line] = angles.cos_out > 0.0f
+                       ? rc_gloss(t, surface, line, angles) * angles.cos_out / rc_mirror_or_cosine_pdf(alpha, angles)
+                       : 0.0f;
+  return direction;
+}
+#endif
 
 /* What a step does to energy and weight: what can go on goes on, in expectation over the lobes, the rest is booked. At
  * the first vertex light was split by the caller. */
@@ -36,7 +55,8 @@ static inline void rc_split_step(const LidarTables* t, const Vertex16* vertex, u
     RC_LINE float kept[16], booked[16];
     for (uint k = 0; k < 16u; ++k) {
       const float4 optics = t->optics[vertex->surface[k] * RC_LASER_LINES + line];
-      const float diffuse = step > 1u ? optics.x + optics.y : 1.0f, plate = step > 1u ? optics.z : 0.0f;
+      const float diffuse = step > 1u ? optics.x + optics.y + (RC_GLOSS ? optics.w : 0.0f) : 1.0f,
+                  plate = step > 1u ? optics.z : 0.0f;
       const bool last = paths->order[k] >= RC_BOUNCES;
       kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
       booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
@@ -44,6 +64,26 @@ static inline void rc_split_step(const LidarTables* t, const Vertex16* vertex, u
     rc_split_energy(paths, line, rc_load16(0, kept), rc_load16(0, booked), sums, RC_LEDGER_TRUNCATED);
     paths->weight[line] *= rc_load16(0, factor[line]);
   }
+}
+
+/* What a surface sends on by each way, summed over the lines: one choice is made for all, and each line's factor makes
+ * up for it. last: what would scatter once more ends; on: plates let light go on. */
+typedef struct Ways {
+  float front, behind, straight, mirrored;
+} Ways;
+static inline Ways rc_ways(const LidarTables* t, uint surface, bool last, bool on) {
+  Ways ways = {0.0f, 0.0f, 0.0f, 0.0f};
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    const float4 optics = t->optics[surface * RC_LASER_LINES + line];
+    ways.front += optics.x;
+    ways.behind += optics.y;
+#if RC_GLOSS
+    ways.mirrored += optics.w;
+#endif
+    ways.straight += on ? optics.z : 0.0f; /* at the first vertex the straight part is followed apart */
+  }
+  if (last) ways.front = ways.behind = ways.mirrored = 0.0f;
+  return ways;
 }
 
 /* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number
@@ -71,34 +111,40 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
       reach[k] = 0.0f;
       for (uint line = 0; line < RC_LASER_LINES; ++line) factor[line][k] = 0.0f;
       if (!(paths->live >> k & 1u)) continue;
-      float rho = 0.0f, tau = 0.0f, plate = 0.0f;
-      for (uint line = 0; line < RC_LASER_LINES; ++line) {
-        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
-        rho += optics.x;
-        tau += optics.y;
-        plate += paths->order[k] && step > 1u ? optics.z
-                                              : 0.0f; /* at the first vertex the straight part is followed apart */
-      }
-      const bool last = paths->order[k] >= RC_BOUNCES;
-      if (last) rho = tau = 0.0f;
-      const float sum = rho + tau + plate;
+      const Ways ways = rc_ways(t, vertex.surface[k], paths->order[k] >= RC_BOUNCES, paths->order[k] && step > 1u);
+      const float rho = ways.front, tau = ways.behind, plate = ways.straight, gloss = ways.mirrored;
+      const float sum = rho + tau + plate + gloss;
       if (!(sum > 0.0f) || step >= RC_BOUNCES + 64u) {
         ended |= 1u << k;
         continue;
       }
       const float lobe = rc_unit_float(rc_hash(t->seed, key, first_ray + k, RC_DRAW_LOBE(step))) * sum;
       float4 direction = rc_lane4(way, k);
-      float spread = 1.0f;
-      if (lobe >= rho + tau && plate > 0.0f)
+      float spread[RC_LOBE_LINES];
+      for (uint line = 0; line < RC_LOBE_LINES; ++line) spread[line] = 1.0f;
+      const bool mirrored = gloss > 0.0f && lobe >= rho + tau + plate;
+#if RC_GLOSS
+      if (mirrored) {
+        direction =
+            rc_draw_mirrored(t, key, first_ray + k, step, vertex.surface[k], rc_lane4(normal, k), direction, spread);
+        if (!(dot(direction, rc_lane4(normal, k)) > 0.0f)) { /* into the surface */
+          ended |= 1u << k;
+          continue;
+        }
+      } else
+#endif
+          if (lobe >= rho + tau && plate > 0.0f)
         straight |= 1u << k;
       else
         direction = rc_draw_direction(t, key, first_ray + k, step, vertex.surface[k], rc_lane4(normal, k), direction,
-                                      lobe < rho, &spread);
-      const bool behind = straight >> k & 1u || lobe >= rho;
-      const float chance = (straight >> k & 1u ? plate : behind ? tau : rho) / sum;
+                                      lobe < rho, spread);
+      const bool behind = !mirrored && (straight >> k & 1u || lobe >= rho);
+      const float chance = (mirrored ? gloss : straight >> k & 1u ? plate : behind ? tau : rho) / sum;
       for (uint line = 0; line < RC_LASER_LINES; ++line) {
         const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
-        factor[line][k] = (straight >> k & 1u ? optics.z : behind ? optics.y : optics.x * spread) / chance;
+        const float on = spread[RC_LOBE_LINE(line)];
+        const float sent = straight >> k & 1u ? optics.z : behind ? optics.y : optics.x * on;
+        factor[line][k] = (mirrored ? on : sent) / chance;
       }
       const float4 origin = behind ? rc_lane4(back, k) : rc_lane4(front, k);
       way[0][k] = direction.x;

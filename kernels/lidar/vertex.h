@@ -174,13 +174,22 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
   }
 }
 
-/* One factor of the lanes' surfaces at a line: reflectance, diffuse or straight transmittance (0, 1, 2). */
+/* One factor of the lanes' surfaces at a line: reflectance, diffuse or straight transmittance, gloss (0 to 3). */
 static inline float16 rc_matter16(const LidarTables* t, const Vertex16* vertex, uint line, uint which) {
   global const float* optics = (global const float*)t->optics;
   if (vertex->common != RC_NONE) return (float16)(optics[(vertex->common * RC_LASER_LINES + line) * 4u + which]);
   RC_LINE float value[16];
   for (uint k = 0; k < 16u; ++k) value[k] = optics[(vertex->surface[k] * RC_LASER_LINES + line) * 4u + which];
   return rc_load16(0, value);
+}
+
+/* Share of light that goes on into all directions, or mirrored. */
+static inline float16 rc_scattered16(const LidarTables* t, const Vertex16* vertex, uint line) {
+  float16 share = rc_matter16(t, vertex, line, 0) + rc_matter16(t, vertex, line, 1);
+#if RC_GLOSS
+  share += rc_matter16(t, vertex, line, 3);
+#endif
+  return share;
 }
 
 #endif

@@ -64,8 +64,8 @@ static inline Lobe rc_gloss_of(const PathTables* t, uint surface) {
 static inline bool rc_glossy(const PathTables* t, uint surface) { return t->scattering[surface].z > 0.0f; }
 
 /* How many times Lambert's radiance goes from `in` to `out` by a gloss. */
-static inline float rc_gloss_factor(Lobe gloss, float4 normal, float4 in, float4 out) {
-  return rc_shape_eval(gloss.shape, 3.14159265f, rc_parameters(gloss.parameter), rc_angles(normal, in, out));
+static inline float rc_gloss_factor(const PathTables* t, Lobe gloss, float4 normal, float4 in, float4 out) {
+  return rc_shape_eval(gloss.shape, 3.14159265f, rc_parameters(t->lobes, gloss), rc_angles(normal, in, out));
 }
 #endif
 
@@ -80,7 +80,7 @@ static inline void rc_more_factors(const PathTables* t, uint surface, uint side,
     const uint role = side == RC_GLOSS_SIDE ? RC_ROLE_gloss : RC_ROLE_front;
     if (side != RC_FAR_SIDE && lobe.share > 0.0f && (uint)rc_shape_role(lobe.shape) == role)
       more[number] =
-          scale * rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, in, out));
+          scale * rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(t->lobes, lobe), rc_angles(normal, in, out));
   }
 #endif
 }
@@ -122,8 +122,8 @@ static inline void rc_gain_mirrored(SceneArrays scene, const PathTables* t, uint
   if (!rc_glossy(t, surface)) return;
   float light[RC_SKELETON], more[1 + RC_FURTHER];
   rc_more_factors(t, surface, RC_GLOSS_SIDE, normal, in, out, irradiance, more);
-  rc_carry_on(scene, t, surface, RC_GLOSS_SIDE, irradiance * rc_gloss_factor(rc_gloss_of(t, surface), normal, in, out),
-              more, carried, light);
+  rc_carry_on(scene, t, surface, RC_GLOSS_SIDE,
+              irradiance * rc_gloss_factor(t, rc_gloss_of(t, surface), normal, in, out), more, carried, light);
   for (uint m = 0; m < RC_SKELETON; ++m) gained[m] = fma(share ? share[m] : 1.0f, light[m], gained[m]);
 }
 #endif
@@ -231,12 +231,13 @@ static inline void rc_gain_ground(const PathTables* t, uint k, Paths16* paths) {
 #if RC_GLOSSY
 /* Direction by the gloss of a surface for u and v uniform in [0, 1): half mirrored at its facets, half by the cosine.
  * weight: times its form, how much more than by Lambert's law; 0 where it points into the surface. */
-static inline float4 rc_way_mirrored(Lobe gloss, float4 normal, float4 out, float u, float v, float* weight) {
+static inline float4 rc_way_mirrored(const PathTables* t, Lobe gloss, float4 normal, float4 out, float u, float v,
+                                     float* weight) {
   const SkyDensity cosine = {1.0f, 0.0f, 0.5f, 0.0f, 0.0f, 1.0f};
-  const RcParameters p = rc_parameters(gloss.parameter);
-  const SkyRay ray = rc_mirrored_way(cosine, p.of[0], u, v, normal.x, normal.y, normal.z, out.x, out.y, out.z);
+  const float alpha = rc_shape_roughness(gloss.shape, rc_parameters(t->lobes, gloss));
+  const SkyRay ray = rc_mirrored_way(cosine, alpha, u, v, normal.x, normal.y, normal.z, out.x, out.y, out.z);
   const float4 way = (float4)(ray.x, ray.y, ray.z, 0.0f);
-  const float density = RC_GLOSS_SHARE * rc_gloss_pdf(p, rc_angles(normal, out, way)) +
+  const float density = RC_GLOSS_SHARE * rc_facets_pdf(alpha, rc_angles(normal, out, way)) +
                         (1.0f - RC_GLOSS_SHARE) * rc_sky_density(cosine, ray.x, ray.y, ray.z, ray.facing);
   *weight = ray.facing > 0.0f ? 0.318309886f * ray.facing / density : 0.0f;
   return way;
@@ -269,11 +270,11 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
 #if RC_GLOSSY
     if (mirrored) {
       const Lobe lobe = rc_gloss_of(t, surface);
-      const float4 turned = rc_way_mirrored(lobe, normal, -came, rc_path_draw(t, number, path, level, 2u),
+      const float4 turned = rc_way_mirrored(t, lobe, normal, -came, rc_path_draw(t, number, path, level, 2u),
                                             rc_path_draw(t, number, path, level, 3u), &shaped);
       if (!(shaped > 0.0f)) continue;
       rc_more_factors(t, surface, RC_GLOSS_SIDE, normal, turned, -came, shaped / chance, more);
-      shaped *= rc_gloss_factor(lobe, normal, turned, -came);
+      shaped *= rc_gloss_factor(t, lobe, normal, turned, -came);
       rc_carry_on(scene, t, surface, RC_GLOSS_SIDE, shaped / chance, more, paths->carried[k], paths->carried[k]);
       rc_put_ray(&paths->rays, k, rc_lane_of(ends->front, k), turned);
       on |= 1u << k;

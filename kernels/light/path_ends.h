@@ -34,7 +34,7 @@ static inline float rc_shape_factor(global const Lobe* lobes, uint surface, floa
 #if RC_SHAPED
   const Lobe lobe = lobes[surface * RC_LOBE_STRIDE];
   if (lobe.shape != RC_SHAPE_lambert)
-    return rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, in, out));
+    return rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobes, lobe), rc_angles(normal, in, out));
 #endif
   return 1.0f;
 }

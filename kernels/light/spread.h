@@ -18,7 +18,7 @@ static inline float rc_spread(global const Lobe* lobes, global const float* at, 
   if (lobe.shape == RC_SHAPE_lambert) return 1.0f;
   const float4 normal = (float4)(at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)], 0.0f);
   const float4 viewer = (float4)(at[RC_PLANE(RC_VIEWER_X)], at[RC_PLANE(RC_VIEWER_Y)], at[RC_PLANE(RC_VIEWER_Z)], 0.0f);
-  return rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobe.parameter), rc_angles(normal, direction, viewer));
+  return rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(lobes, lobe), rc_angles(normal, direction, viewer));
 }
 
 #if RC_FURTHER
@@ -58,12 +58,13 @@ static inline SkyRay rc_slot_ray(SkyDensity law, uint seed, uint pixel, uint num
   if (gloss) {
     /* Where there is none, the normal is zero, and nothing faces it. */
     const Lobe lobe = lobes[max(as_uint(at[RC_PLANE(RC_LOBE_AT)]), 1u) - 1u];
-    const RcParameters p = rc_parameters(lobe.parameter);
+    const RcParameters p = rc_parameters(lobes, lobe);
     const float vx = at[RC_PLANE(RC_VIEWER_X)], vy = at[RC_PLANE(RC_VIEWER_Y)], vz = at[RC_PLANE(RC_VIEWER_Z)];
-    SkyRay ray = rc_gloss_way(law, p.of[0], seed, pixel, number, nx, ny, nz, vx, vy, vz);
+    const float alpha = rc_shape_roughness(lobe.shape, p);
+    SkyRay ray = rc_gloss_way(law, alpha, seed, pixel, number, nx, ny, nz, vx, vy, vz);
     const RcAngles angles =
         rc_angles((float4)(nx, ny, nz, 0.0f), (float4)(vx, vy, vz, 0.0f), (float4)(ray.x, ray.y, ray.z, 0.0f));
-    ray.density = RC_GLOSS_SHARE * rc_gloss_pdf(p, angles) +
+    ray.density = RC_GLOSS_SHARE * rc_facets_pdf(alpha, angles) +
                   (1.0f - RC_GLOSS_SHARE) * rc_sky_density(law, ray.x, ray.y, ray.z, ray.facing);
     return ray;
   }

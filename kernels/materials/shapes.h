@@ -63,6 +63,48 @@ static inline rc_real rc_shape_pdf(unsigned int shape, RcParameters p, RcAngles 
       return 0;
   }
 }
+
+/* Of shapes of role gloss; 0, or what they are, of others. */
+#define RC_SHAPE(name, role, reciprocal, conserves, text) RC_CASE_OF_##role(name)
+#define RC_CASE_OF_front(name)
+#define RC_CASE_OF_behind(name)
+static inline rc_real rc_shape_mirrored(unsigned int shape, RcParameters p, rc_real cosine) {
+  switch (shape) {
+#define RC_CASE_OF_gloss(name) \
+  case RC_SHAPE_##name:        \
+    return rc_##name##_mirrored(p, cosine);
+#include "kernels/materials/materials.def"
+#undef RC_CASE_OF_gloss
+    default:
+      return 0;
+  }
+}
+
+static inline rc_real rc_shape_roughness(unsigned int shape, RcParameters p) {
+  switch (shape) {
+#define RC_CASE_OF_gloss(name) \
+  case RC_SHAPE_##name:        \
+    return rc_##name##_roughness(p);
+#include "kernels/materials/materials.def"
+#undef RC_CASE_OF_gloss
+    default:
+      return 0;
+  }
+}
+static inline RcParameters rc_shape_widened(unsigned int shape, RcParameters p, rc_real least) {
+  switch (shape) {
+#define RC_CASE_OF_gloss(name) \
+  case RC_SHAPE_##name:        \
+    return rc_##name##_widened(p, least);
+#include "kernels/materials/materials.def"
+#undef RC_CASE_OF_gloss
+    default:
+      return p;
+  }
+}
+#undef RC_SHAPE
+#undef RC_CASE_OF_front
+#undef RC_CASE_OF_behind
 #undef RC_SHAPE_TABLE
 #undef RC_SHAPE_PARAMETER
 #undef RC_SHAPE_CURVE

@@ -187,6 +187,11 @@ def check_formats(folder, material):
         check(numpy.allclose(other[clear], cube[clear], rtol=1e-5), file)
 
 
+def integral(values, at):
+    """Of each row, by trapezoids: numpy 1 and 2 have another name for it."""
+    return (0.5 * (values[:, 1:] + values[:, :-1]) * numpy.diff(at)).sum(axis=1)
+
+
 def check_maps(folder, rng):
     """The nearest spectrum: of a map of reflectances by its bands, of a picture by its colours."""
     nodes_nm = numpy.arange(400, 1001, 20.0)
@@ -195,7 +200,7 @@ def check_maps(folder, rng):
     spectra = 0.05 + 0.8 * rng.random((KINDS, 3)) @ steps
     write_family(folder, spectra, nodes_nm)
     inside = [(nodes_nm >= low) & (nodes_nm <= high) for low, high in bands]
-    means = numpy.stack([numpy.trapz(spectra[:, i], nodes_nm[i], axis=1) / 100 for i in inside], -1)
+    means = numpy.stack([integral(spectra[:, i], nodes_nm[i]) / 100 for i in inside], -1)
     wanted = rng.uniform(0, 0.9, (20, 25, 3))
     obj(folder / "card.obj", square(), [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     at = places_in_image(square(), [(0, 0), (1, 0), (1, 1), (0, 1)])

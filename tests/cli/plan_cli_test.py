@@ -123,6 +123,14 @@ with tempfile.TemporaryDirectory() as temporary:
     run("plan", lit, "-o", folder / "lit.json", "-q")
     lit.write_text(lit.read_text().replace("format = 1\n", "format = 1\nsky_directions = 3999\n", 1))
     not_replayed(lit, folder / "lit.json", ["sky_directions = 3999", "remove sky_directions"])
+    followed = scene(folder, "followed.toml", air='{ model = "clear_sky" }')
+    keys = "format = 1\nsky_directions = 8\npaths = 16\nbounces = 1\n"
+    followed.write_text(followed.read_text().replace("format = 1\n", keys, 1))
+    run("plan", followed, "-o", folder / "followed.json", "-q")
+    told = json.loads((folder / "followed.json").read_text())["instruments"][0]
+    check(told["paths_per_two_directions"] == 4 and told["sky_directions"] == 8, told)
+    followed.write_text(followed.read_text().replace("paths = 16", "paths = 32"))
+    not_replayed(followed, folder / "followed.json", ["paths = 32", "16 paths", "remove paths"])
 
     # What a simulation may not ask for a plan may not either.
     for samples, sampler, replicates in (

@@ -6,9 +6,10 @@ import pathlib
 import sys
 import tempfile
 
-from driver import PULSE_AND_RECEIVER, Program
+from driver import Program, pulse_and_receiver
 
 program = Program(sys.argv[1])
+PULSE_AND_RECEIVER = pulse_and_receiver(fov_mrad=400.0)  # it sees what is scattered twice
 
 SCENE = """format = 1
 tolerance = 0.05
@@ -39,6 +40,10 @@ tilt_deg = 35.0
 material = "plain"
 position_m = [-5.0, -3.0, 0.0]
 size_m = [4.0, 4.0, 5.0]
+[[box]]
+material = "shaped"
+position_m = [-2.5, 1.0, 0.0]
+size_m = [2.0, 9.0, 9.0]
 [[instrument]]
 name = "camera"
 kind = "framing"
@@ -73,8 +78,10 @@ def number(key):
 
 
 def inside(key, part=0.35):
-    """A value inside the range that the schema allows, nearer to its lower end."""
+    """A value inside the range that the schema allows, nearer to its lower end; of an exponent what cameras see."""
     of = number(key)
+    if of.get("maximum") == 100 and of.get("minimum") == 1:
+        return 10 + 60 * part
     low = of.get("minimum", of.get("exclusiveMinimum", 0.0))
     return low + part * (of.get("maximum", low + 1.0) - low)
 
@@ -91,6 +98,8 @@ def holds(what, text):
         for instrument, of in report.items():
             if isinstance(of, dict) and "passed" in of:
                 program.check(of["passed"] is True, what, instrument, of)
+                if instrument == "lidar":  # else nothing that was scattered twice was compared
+                    program.check(of["scattered"]["groups"] > 0, what, of["scattered"])
                 print(f"{what}: {instrument} within limits")
 
 
@@ -106,24 +115,17 @@ for name, keys in shapes.items():
     program.check(len(numbers) == len(keys) - 1, keys)
     shape = f"{name} = {{ {', '.join(f'{key} = {inside(of)}' for key, of in numbers.items())} }}"
     holds(shape, SCENE.format(shape=shape, pulse=PULSE_AND_RECEIVER))
-    # Given at two wavelengths: cameras only.
+    # Given at wavelengths on both sides of the bands and of the pulses.
     lists = ", ".join(f"{key} = [{inside(of, 0.5)}, {inside(of, 0.3)}]" for key, of in numbers.items())
-    changing = f"{name} = {{ at_nm = [520.0, 700.0], {lists} }}"
+    changing = f"{name} = {{ at_nm = [520.0, 1200.0], {lists} }}"
+    text = SCENE.format(shape=changing, pulse=PULSE_AND_RECEIVER)
     if name == "hapke":  # by the material's curve, which is single-scattering albedo, and not by wavelength
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "scene.toml"
-            file.write_text(SCENE.format(shape=changing, pulse=PULSE_AND_RECEIVER))
+            file.write_text(text)
             program.refused("scene", "check", file, status=2, says=["'at_nm' means nothing for hapke"])
         continue
-    text = SCENE.format(shape=changing, pulse=PULSE_AND_RECEIVER)
-    holds(changing, text[: text.index("[[lidar]]")])
-    if name == "gloss":
-        continue
-    with tempfile.TemporaryDirectory() as folder:
-        file = pathlib.Path(folder) / "scene.toml"
-        file.write_text(text)
-        says = ["lidar", "pulses know no shape that changes with wavelength", "material 'shaped'"]
-        program.refused("render", file, "-o", folder + "/out", "--instrument", "lidar", status=2, says=says)
+    holds(changing, text)
 # A single leaf by what it is made of, instead of the reflectance.
 leaf = "leaf = { prospect = { n = 1.6, cab_ug_cm2 = 40, car_ug_cm2 = 10, cw_cm = 0.01, cm_g_cm2 = 0.006 } }"
 holds(leaf, SCENE.format(shape=leaf, pulse=PULSE_AND_RECEIVER).replace("reflectance = 0.4\n", "", 1))
@@ -132,18 +134,17 @@ with tempfile.TemporaryDirectory() as folder:
     soil = pathlib.Path(folder) / "soil.csv"
     soil.write_text("wavelength_nm,reflectance\n400,0.35\n600,0.6\n800,0.85\n1000,0.9\n")
     shape = "hapke = { b = 0.3, c = 0.2, slope_deg = 15.0, b0 = 0.6, h = 0.08 }"
-    text = SCENE.format(shape=shape, pulse="").replace("reflectance = 0.4", f'file = "{soil}"', 1)
-    holds("hapke, albedo 0.35 to 0.9", text[: text.index("[[lidar]]")])
+    soil.write_text(soil.read_text() + "1100,0.8\n")
+    text = SCENE.format(shape=shape, pulse=PULSE_AND_RECEIVER).replace("reflectance = 0.4", f'file = "{soil}"', 1)
+    holds("hapke, albedo 0.35 to 0.9", text)
     gold = pathlib.Path(folder) / "gold.csv"
-    rows = ("400,1.47,1.95", "500,0.97,1.87", "600,0.25,3.03", "700,0.13,4.06", "900,0.17,5.72", "1000,0.22,6.43")
+    rows = ("400,1.47,1.95", "500,0.97,1.87", "600,0.25,3.03", "700,0.13,4.06", "900,0.17,5.72", "1100,0.28,7.3")
     gold.write_text("wavelength_nm,n,k\n" + "\n".join(rows) + "\n")  # Johnson & Christy (1972), rounded
     metal = f'fresnel = {{ roughness = 0.6, file = "{gold}" }}'
     text = SCENE.format(shape=metal, pulse=PULSE_AND_RECEIVER).replace("reflectance = 0.4", "reflectance = 0.01", 1)
-    holds("gold", text[: text.index("[[lidar]]")])
+    holds("gold", text)
     file = pathlib.Path(folder) / "scene.toml"
     file.write_text(text)
-    says = ["lidar", "pulses know no shape that changes with wavelength", "material 'shaped'"]
-    program.refused("render", file, "-o", folder + "/out", "--instrument", "lidar", status=2, says=says)
     for wrong, says in (
         ("wavelength_nm,k\n400,1\n500,1\n", ["gold.csv:1", "no column 'n'"]),
         ("wavelength_nm,n,k\n400,1.4,-2\n500,1,1\n", ["gold.csv:2", "k is not within 0 .. 1000", "-2"]),
@@ -153,6 +154,33 @@ with tempfile.TemporaryDirectory() as folder:
     ):
         gold.write_text(wrong)
         program.refused("plan", file, "--instrument", "camera", status=2, says=says)
+# A goniometer's table: the camera above the lit field sees the file's factor, wavelength by wavelength.
+with tempfile.TemporaryDirectory() as folder:
+    table = pathlib.Path(folder) / "sand.csv"
+    rows = ["light_zenith_deg,view_zenith_deg,relative_azimuth_deg,500nm,1.2um"]
+    for light in (0, 30, 55, 75):
+        for view in (0, 25, 60):
+            for turn in (0, 90, 180) if light and view else (0,):
+                lobe = 1 + 0.002 * light - 0.001 * view * turn / 90 + 1e-5 * light * view * (turn == 0)
+                rows.append(f"{light},{view},{turn},{0.9 * lobe:.6f},{1.1 * lobe:.6f}")
+    table.write_text("\n".join(rows) + "\n")
+    measured = f'measured = {{ file = "{table}" }}'
+    holds("measured", SCENE.format(shape=measured, pulse=PULSE_AND_RECEIVER))
+    file = pathlib.Path(folder) / "scene.toml"
+    for wrong, says in (
+        (rows[:-1], ["sand.csv", "1 combinations of its angles have no factor", "light 75, viewer 60, azimuth 180"]),
+        ([rows[0], "0,0,0,1.4,3.5"], ["measured", "more light would leave than comes", "albedo 1.4"]),
+    ):
+        table.write_text("\n".join(wrong) + "\n")
+        file.write_text(SCENE.format(shape=measured, pulse=PULSE_AND_RECEIVER))
+        program.refused("scene", "check", file, status=2, says=says)
+    file.write_text(SCENE.format(shape='measured = { file = "none.csv" }', pulse=PULSE_AND_RECEIVER))
+    program.refused("scene", "check", file, status=2, says=["none.csv", "scene.toml"])
+for pair in ("gloss = { roughness = 0.2, f0 = 0.1 }\nphong = { exponent = 9.0, reflectance = 0.1 }",):
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "scene.toml"
+        file.write_text(SCENE.format(shape=pair, pulse=PULSE_AND_RECEIVER))
+        program.refused("scene", "check", file, status=2, says=["a material has one gloss", "gloss and phong"])
 # Lists that do not fit their wavelengths.
 for shape, says in (
     ("gloss = { roughness = 0.2, f0 = [0.1, 0.2] }", ["'f0' is not of as many wavelengths as 'at_nm'", "2 values, 0"]),

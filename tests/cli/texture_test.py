@@ -37,9 +37,14 @@ def image(path, values):
     )
 
 
+def integral(values, at):
+    """Of each row, by trapezoids: numpy 1 and 2 have another name for it."""
+    return (0.5 * (values[:, 1:] + values[:, :-1]) * numpy.diff(at)).sum(axis=1)
+
+
 def brightness(spectra, band_nm=(400, 700)):
     inside = (NODES_NM >= band_nm[0]) & (NODES_NM <= band_nm[1])
-    return numpy.trapz(spectra[:, inside], NODES_NM[inside], axis=1) / (band_nm[1] - band_nm[0])
+    return integral(spectra[:, inside], NODES_NM[inside]) / (band_nm[1] - band_nm[0])
 
 
 def by_rank(values, spectra):

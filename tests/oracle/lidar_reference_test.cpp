@@ -342,7 +342,7 @@ TEST_CASE("LIDAR 4.2, L-04, L-12: lens area, vignetting and gloss of the referen
   CHECK(reference::pupil_share(receiver, 200, 0) == doctest::Approx(1).epsilon(1e-14));
   const auto zero_phase = [](double degrees) {
     const RcLocal way{std::sin(degrees * M_PI / 180), 0, std::cos(degrees * M_PI / 180)};
-    return rc_gloss_eval(1, {{0.3, 0.04}}, rc_angles({0, 0, 1}, way, way));
+    return rc_gloss_eval(1, {{0.3, 0.04}, nullptr}, rc_angles({0, 0, 1}, way, way));
   };
   CHECK(zero_phase(0) == doctest::Approx(0.0353678).epsilon(2e-6));
   CHECK(zero_phase(80) == doctest::Approx(0.00675587).epsilon(1e-6));

@@ -46,6 +46,13 @@ struct Case {
 
 double end(std::string_view text) { return std::stod(std::string(text.substr(text.starts_with('>') ? 1 : 0))); }
 
+/// A table that grows with all three angles, as kernels/materials/measured.h has it.
+const std::vector<float>& measured_table() {
+  static const std::vector<float> table = {2,    2,    2,    0,    1.4f, 0,    1.4f, 0,   3,
+                                           0.3f, 0.4f, 0.5f, 0.5f, 0.4f, 0.6f, 0.7f, 0.9f};
+  return table;
+}
+
 /// Low, middling and high parameters of every shape.
 std::vector<Case> cases() {
   std::vector<Case> out;
@@ -56,8 +63,9 @@ std::vector<Case> cases() {
       return low + part * (high - low);
     };
     for (const double part : {0.15, 0.5, 0.95}) {
-      out.push_back({&entry, {{at(0, part), at(1, 1 - part), at(2, part), at(3, 1 - part), at(4, part)}}});
+      out.push_back({&entry, {{at(0, part), at(1, 1 - part), at(2, part), at(3, 1 - part), at(4, part)}, nullptr}});
       if (entry.curve_parameter >= 0) out.back().p.of[entry.curve_parameter] = part;
+      if (entry.number == RC_SHAPE_measured) out.back().p.table = measured_table().data();
     }
   }
   return out;
@@ -99,7 +107,7 @@ TEST_CASE("shapes: rough matter as Oren & Nayar have it, in Fujii's form, worked
   // 0.33)) = 0.4382108, A = 1 / (1 + (1/2 - 2 / (3 pi)) r) = 0.8880096. Light and viewer 60 degrees from the normal:
   // s = cos(azimuth) sin^2; t = cos = 1/2 where s > 0, else 1.
   const auto pi_f = [](const RcLocal& in, const RcLocal& out, double sigma_deg) {
-    return kPi * rc_shape_eval(RC_SHAPE_oren_nayar, 1, {{sigma_deg}}, rc_angles(RcLocal{0, 0, 1}, in, out));
+    return kPi * rc_shape_eval(RC_SHAPE_oren_nayar, 1, {{sigma_deg}, nullptr}, rc_angles(RcLocal{0, 0, 1}, in, out));
   };
   const RcLocal sun = direction(0.5, 0.3);
   CHECK(pi_f(sun, direction(0.5, 0.3), 30) == doctest::Approx(1.4717116).epsilon(1e-7));
@@ -125,7 +133,7 @@ TEST_CASE("S21 shapes: RPV as its paper has it, by angles; without bowl, asymmet
       for (const double turn : {0.0, 0.9, kPi}) {
         const RcAngles angles = rc_angles(kNormal, direction(std::cos(a), 0.3), direction(std::cos(b), 0.3 + turn));
         const auto pi_f = [&](double k, double theta, double rho_c) {
-          return rc_shape_eval(RC_SHAPE_rpv, kPi, {{k, theta, rho_c}}, angles);
+          return rc_shape_eval(RC_SHAPE_rpv, kPi, {{k, theta, rho_c}, nullptr}, angles);
         };
         // At the hot spot a rounding of the angles' difference shows by its root.
         CHECK(pi_f(0.7, -0.15, 0.3) == doctest::Approx(rpv_by_angles(a, b, turn, 0.7, -0.15, 0.3)).epsilon(1e-7));
@@ -136,7 +144,7 @@ TEST_CASE("S21 shapes: RPV as its paper has it, by angles; without bowl, asymmet
 
 TEST_CASE("S21 shapes: kernels of Ross and Li at the nadir, in their hot spot, and the integrals that are published") {
   const auto pi_f = [](double volumetric, double geometric, double zenith, double turn) {
-    return rc_shape_eval(RC_SHAPE_ross_li, kPi, {{volumetric, geometric}},
+    return rc_shape_eval(RC_SHAPE_ross_li, kPi, {{volumetric, geometric}, nullptr},
                          rc_angles(kNormal, direction(std::cos(zenith), 0.3), direction(std::cos(zenith), 0.3 + turn)));
   };
   CHECK(pi_f(0.7, 0.3, 0, 0) == doctest::Approx(1).epsilon(1e-12));  // both kernels vanish there
@@ -196,16 +204,16 @@ TEST_CASE("S21 hapke: radiance of another program, and the limits of dark and of
   const auto towards = [](double zenith_deg, double turn_deg) {
     return direction(std::cos(zenith_deg * kPi / 180), turn_deg * kPi / 180);
   };
-  for (const Figure& figure : {Figure{{{0.3, -0.4, 0, 0, 0.1, 0.5}}, 30, 0, 0, 0.0317758},
-                               {{{0.4, 0.2, 20, 0.7, 0.05, 0.8}}, 50, 20, 10, 0.1220922},
-                               {{{0.4, 0.2, 20, 0.7, 0.05, 0.8}}, 20, 50, 150, 0.0804675},
-                               {{{0.2, -0.8, 30, 0.3, 0.2, 0.95}}, 60, 60, 90, 0.1139005},
-                               {{{0.6, 0.8, 10, 1, 0.1, 0.2}}, 40, 40, 0, 0.1888313},
-                               {{{0.6, 0.8, 10, 1, 0.1, 0.2}}, 70, 10, 180, 0.0080500}})
+  for (const Figure& figure : {Figure{{{0.3, -0.4, 0, 0, 0.1, 0.5}, nullptr}, 30, 0, 0, 0.0317758},
+                               {{{0.4, 0.2, 20, 0.7, 0.05, 0.8}, nullptr}, 50, 20, 10, 0.1220922},
+                               {{{0.4, 0.2, 20, 0.7, 0.05, 0.8}, nullptr}, 20, 50, 150, 0.0804675},
+                               {{{0.2, -0.8, 30, 0.3, 0.2, 0.95}, nullptr}, 60, 60, 90, 0.1139005},
+                               {{{0.6, 0.8, 10, 1, 0.1, 0.2}, nullptr}, 40, 40, 0, 0.1888313},
+                               {{{0.6, 0.8, 10, 1, 0.1, 0.2}, nullptr}, 70, 10, 180, 0.0080500}})
     CHECK(hapke(figure.p, towards(figure.in_deg, 0), towards(figure.out_deg, figure.turn_deg)) ==
           doctest::Approx(figure.f).epsilon(1e-5));
   // Lommel and Seeliger's law of dark isotropic grains; light scattered twice is of the order of w.
-  const RcParameters dark{{0, 0, 0, 0, 1, 1e-4}};
+  const RcParameters dark{{0, 0, 0, 0, 1, 1e-4}, nullptr};
   CHECK(hapke(dark, towards(30, 0), towards(50, 70)) ==
         doctest::Approx(1e-4 / (4 * kPi) / (std::cos(30 * kPi / 180) + std::cos(50 * kPi / 180))).epsilon(2e-4));
   // Isotropic grains: w / (4 pi (mu0 + mu)) H H, of which Hapke (2002) says that his H is off by less than 1 %.
@@ -217,7 +225,8 @@ TEST_CASE("S21 hapke: radiance of another program, and the limits of dark and of
         const double in = (i + 0.5) / kCount, out = (j + 0.5) / kCount;
         const double exact =
             w / (4 * kPi * (in + out)) * h[static_cast<std::size_t>(i)] * h[static_cast<std::size_t>(j)];
-        CHECK(hapke({{0, 0, 0, 0, 1, w}}, direction(in, 0), direction(out, 2)) == doctest::Approx(exact).epsilon(0.02));
+        CHECK(hapke({{0, 0, 0, 0, 1, w}, nullptr}, direction(in, 0), direction(out, 2)) ==
+              doctest::Approx(exact).epsilon(0.02));
       }
   }
 }
@@ -255,7 +264,7 @@ TEST_CASE("S21 fresnel: closed forms, and what four functions of the angle make 
       CHECK(exact == doctest::Approx(closed(index.n, index.k, c)).epsilon(1e-9));
       double sum = 0;
       for (std::size_t f = 0; f < 4; ++f) {
-        const RcParameters p{{0.3, 0, static_cast<double>(f + 1)}};
+        const RcParameters p{{0.3, 0, static_cast<double>(f + 1)}, nullptr};
         sum += factor[f] * rc_gloss_mirrored(p, c);
       }
       worst = std::max(worst, std::abs(sum - exact));
@@ -351,10 +360,12 @@ TEST_CASE("a plate's light goes straight on") {
 
 constexpr const char* kProbe = R"(
 kernel void probe_shapes(global const uint* shape, global const float4* normal, global const float4* in,
-                         global const float4* out, global const float* parameter, global float4* result) {
+                         global const float4* out, global const float* parameter, global const float* table,
+                         global float4* result) {
   const size_t i = get_global_id(0);
   const RcAngles angles = rc_angles(normal[i], in[i], out[i]);
   RcParameters p;
+  p.table = table;
   for (int k = 0; k < 6; ++k) p.of[k] = parameter[6 * i + k];
   result[i] = (float4)(rc_shape_eval(shape[i], 1.0f, p, angles), rc_shape_pdf(shape[i], p, angles),
                        0.0f, 0.0f);
@@ -399,8 +410,9 @@ TEST_CASE("shapes: what kernels compute is what the reference computes") {
     cl::Buffer<shared::rc_float4> n(context, normals, cl::Access::read_only, "normals"),
         i(context, ins, cl::Access::read_only, "in"), o(context, outs, cl::Access::read_only, "out"),
         result(context, shape.size(), cl::Access::read_write, "results");
-    cl::Buffer<float> p(context, parameters, cl::Access::read_only, "parameters");
-    kernel.arguments(shapes, n, i, o, p, result);
+    cl::Buffer<float> p(context, parameters, cl::Access::read_only, "parameters"),
+        table(context, measured_table(), cl::Access::read_only, "table");
+    kernel.arguments(shapes, n, i, o, p, table, result);
     context.launch(kernel, shape.size());
     context.finish();
     const auto found = result.read_all();

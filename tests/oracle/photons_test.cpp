@@ -135,8 +135,8 @@ TEST_CASE("S21 LIGHT 5: rough ground keeps what its shape does not send") {
       const double up = std::sqrt((a + 0.5) / kSteps), turn = 2 * std::numbers::pi * (b + 0.5) / kSteps,
                    flat = std::sqrt(1 - up * up);
       const RcLocal out{flat * std::cos(turn), flat * std::sin(turn), up};
-      sent +=
-          rc_shape_eval(RC_SHAPE_oren_nayar, std::numbers::pi, {{0.7}}, rc_angles(normal, in, out)) / (kSteps * kSteps);
+      sent += rc_shape_eval(RC_SHAPE_oren_nayar, std::numbers::pi, {{0.7}, nullptr}, rc_angles(normal, in, out)) /
+              (kSteps * kSteps);
     }
   for (std::size_t i = 0; i < 2; ++i) {
     const double albedo = (i == 0 ? 0.2 : 0.6) * sent;

@@ -37,6 +37,19 @@ TEST_CASE("option table: rows are unique, defaults lie in their own range, every
   CHECK(load(folder, kHead).sky_directions == raycube::scene::kDefaultSkyDirections);
 }
 
+TEST_CASE("paths go with sky_directions, one to eight for every second") {
+  const Folder folder;
+  const auto with = [&](const std::string& keys) { return load(folder, kHead + keys); };
+  CHECK(with("sky_directions = 64\n").paths_per_two == 1);
+  CHECK(with("sky_directions = 64\npaths = 256\n").paths_per_two == 8);
+  CHECK(with("sky_directions = 63\npaths = 95\n").paths_per_two == 3);  // 94.5, rounded up
+  const std::string between = refusal(folder, std::string(kHead) + "sky_directions = 64\npaths = 100\n");
+  CHECK_SAYS(between, "'paths' is no multiple of half the sky_directions");
+  CHECK_SAYS(between, "100 for 64");
+  CHECK_SAYS(between, "give one of 32, 64, 96, 128");
+  CHECK_SAYS(refusal(folder, std::string(kHead) + "paths = 100\n"), "'paths' needs sky_directions");
+}
+
 TEST_CASE("docs/scene_format.md carries the option table as it is; refresh it with `raycube scene keys`") {
   std::ifstream stream(RAYCUBE_SOURCE_DIR "/docs/scene_format.md");
   std::ostringstream text;
