@@ -12,6 +12,8 @@ namespace {
 
 /// Places in Matter::lobe: the first of what is reflected, of the gloss, then the further ones.
 constexpr std::size_t kFront = 0, kGloss = 1, kFurther = 2;
+/// Of what is left of a line's light, at least, by a gloss.
+constexpr double kLeastMirrored = 1e-3;
 
 /// Mean over a line of a curve.
 double line_mean(const LidarPlan& plan, const scene::Material& material, const scene::Curve& curve, std::size_t line) {
@@ -56,6 +58,9 @@ Matter matter_at(const LidarPlan& plan, const scene::Material& material, std::si
   for (const auto& part : scene::gloss_parts(material))
     out.mirrored +=
         line_mean(plan, material, part.curve, line) * rc_shape_mirrored(part.shape.number, part.shape.parameters(), 1);
+  // One that mirrors nothing upright mirrors towards the horizon: paths must find it.
+  if (material.gloss.number != RC_SHAPE_none)
+    out.mirrored = std::max(out.mirrored, kLeastMirrored * std::max(0.0, 1 - out.reflectance - out.transmittance));
   if (material.further.empty()) return out;
   const auto of_reflected = [&](const scene::Curve& curve) {
     return out.reflectance > 0 ? line_mean(plan, material, curve, line) / out.reflectance : 0;

@@ -124,8 +124,8 @@ with tempfile.TemporaryDirectory() as temporary:
     lit.write_text(lit.read_text().replace("format = 1\n", "format = 1\nsky_directions = 3999\n", 1))
     not_replayed(lit, folder / "lit.json", ["sky_directions = 3999", "remove sky_directions"])
     followed = scene(folder, "followed.toml", air='{ model = "clear_sky" }')
-    keys = "format = 1\nsky_directions = 8\npaths = 16\nbounces = 1\n"
-    followed.write_text(followed.read_text().replace("format = 1\n", keys, 1))
+    keys = "format = 1\nsky_directions = 8\npaths = 16\n"
+    followed.write_text(followed.read_text().replace("format = 1\n", keys, 1).replace("bounces = 0\n", "bounces = 1\n"))
     run("plan", followed, "-o", folder / "followed.json", "-q")
     told = json.loads((folder / "followed.json").read_text())["instruments"][0]
     check(told["paths_per_two_directions"] == 4 and told["sky_directions"] == 8, told)
