@@ -242,8 +242,9 @@ void check_gloss(const Record& record, const Material& material, Problems& probl
   const ShapeEntry& entry = shape_entry(material.gloss.number);
   const Record* gloss = record.table(std::string(entry.name));
   const std::string key = gloss ? std::string(entry.parameters[1].key) : "f0";
+  const std::string told = key == "f0" ? key : std::string(entry.name) + "'s " + key;
   problems.add(gloss ? gloss->place(key) : record.table("fresnel")->place("file"),
-               "reflectance + transmittance + " + key + " above 1", fmt::format("{:.4g} + {:.4g}", beside, mirrored),
+               "reflectance + transmittance + " + told + " above 1", fmt::format("{:.4g} + {:.4g}", beside, mirrored),
                "energy must not be gained: lower one");
 }
 
