@@ -85,7 +85,8 @@ def main():
         # Gloss adds; on open ground far from court and wall nothing else moves but noise of light between surfaces.
         check(numpy.all(shown[court == 1].mean(0) > 1.2 * plain[court == 1].mean(0)))
         narrow = write(folder, "narrow.toml", "gloss = { roughness = 0.05, f0 = 0.3 }")
-        refused("render", narrow, "-o", folder / "no", status=2, says=["'wet court'", "roughness 0.05", "as wide as one of 0.1"])
+        says = ["'wet court'", "roughness 0.05", "as wide as one of 0.1"]
+        refused("render", narrow, "-o", folder / "no", status=2, says=says)
         thermal = SCENE.replace("first_nm = 450.0, step_nm = 200.0", "first_nm = 9000.0, step_nm = 500.0")
         thermal = thermal.replace('model = "clear_sky"', 'model = "none"')
         thermal += "[thermal]\ndefault_temperature_K = 300.0\n"
