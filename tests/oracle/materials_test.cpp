@@ -17,6 +17,7 @@
 #include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
 #include "tests/support/devices.h"
+#include "tests/support/shape_cases.h"
 
 namespace raycube {
 namespace {
@@ -44,28 +45,20 @@ struct Case {
   bool behind() const { return entry->role == ShapeRole::behind; }
 };
 
-double end(std::string_view text) { return std::stod(std::string(text.substr(text.starts_with('>') ? 1 : 0))); }
-
-/// A table that grows with all three angles, as kernels/materials/measured.h has it.
-const std::vector<float>& measured_table() {
-  static const std::vector<float> table = {2,    2,    2,    0,    1.4f, 0,    1.4f, 0,   3,
-                                           0.3f, 0.4f, 0.5f, 0.5f, 0.4f, 0.6f, 0.7f, 0.9f};
-  return table;
-}
-
 /// Low, middling and high parameters of every shape.
 std::vector<Case> cases() {
   std::vector<Case> out;
   for (const ShapeEntry& entry : scene::shape_entries()) {
     const auto at = [&](std::size_t i, double part) {
       if (i >= entry.parameters.size()) return 0.0;
-      const double low = end(entry.parameters[i].low), high = end(entry.parameters[i].high);
+      const double low = test::parameter_end(entry.parameters[i].low),
+                   high = test::parameter_end(entry.parameters[i].high);
       return low + part * (high - low);
     };
     for (const double part : {0.15, 0.5, 0.95}) {
       out.push_back({&entry, {{at(0, part), at(1, 1 - part), at(2, part), at(3, 1 - part), at(4, part)}, nullptr}});
       if (entry.curve_parameter >= 0) out.back().p.of[entry.curve_parameter] = part;
-      if (entry.number == RC_SHAPE_measured) out.back().p.table = measured_table().data();
+      if (entry.number == RC_SHAPE_measured) out.back().p.table = test::measured_table()->data();
     }
   }
   return out;
@@ -411,7 +404,7 @@ TEST_CASE("shapes: what kernels compute is what the reference computes") {
         i(context, ins, cl::Access::read_only, "in"), o(context, outs, cl::Access::read_only, "out"),
         result(context, shape.size(), cl::Access::read_write, "results");
     cl::Buffer<float> p(context, parameters, cl::Access::read_only, "parameters"),
-        table(context, measured_table(), cl::Access::read_only, "table");
+        table(context, *test::measured_table(), cl::Access::read_only, "table");
     kernel.arguments(shapes, n, i, o, p, table, result);
     context.launch(kernel, shape.size());
     context.finish();

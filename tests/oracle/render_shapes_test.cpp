@@ -10,14 +10,13 @@
 #include "kernels/materials/shapes.h"
 #include "scene_compiler/shape_list.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/shape_cases.h"
 
 namespace {
 
 using namespace raycube;
 constexpr double kPi = std::numbers::pi, kReflectance = 0.3, kSunIrradiance = 1500, kSkyRadiance = 30;
 constexpr double kHeight_m = 1000, kGsd_m = 40;
-
-double end(std::string_view text) { return std::stod(std::string(text.substr(text.starts_with('>') ? 1 : 0))); }
 
 /// Every shape of role front, in the middle and at the upper end of its parameters' ranges.
 std::vector<scene::Shape> front_shapes() {
@@ -27,9 +26,11 @@ std::vector<scene::Shape> front_shapes() {
     for (const double part : {0.4, 1.0}) {
       scene::Shape shape{entry.number};
       for (std::size_t i = 0; i < entry.parameters.size(); ++i) {
-        const double low = end(entry.parameters[i].low), high = end(entry.parameters[i].high);
+        const double low = test::parameter_end(entry.parameters[i].low);
+        const double high = test::parameter_end(entry.parameters[i].high);
         shape.parameter[i] = low + part * (high - low);
       }
+      if (entry.number == RC_SHAPE_measured) shape.table = test::measured_table();
       out.push_back(shape);
     }
   }
