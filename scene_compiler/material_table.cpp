@@ -325,6 +325,8 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       texture = read_texture(*record.table("texture"), members, problems);
     std::optional<Texture> mask;
     if (record.sound && record.given("mask")) mask = read_mask(*record.table("mask"), problems);
+    std::optional<Relief> relief;
+    if (record.sound) relief = read_relief(record, problems);
     if (members.empty()) members.emplace_back();  // of its name, so that what names it is not reported again
     const std::size_t before = problems.lines().size();
     for (Material& material : members) {
@@ -360,6 +362,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     }
     if (texture) textures_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*texture));
     if (mask) masks_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*mask));
+    if (relief) reliefs_.emplace(static_cast<std::uint32_t>(materials_.size()), std::move(*relief));
     add(name, std::move(members));
   }
 }
@@ -405,17 +408,41 @@ CoordinateImages MaterialTable::images(std::uint32_t surface) const {
     const auto found = images.find(surfaces_[surface].material[0] - 1);
     return found != images.end() && found->second.by_coordinates() ? &found->second : nullptr;
   };
-  return {lying(textures_), lying(masks_)};
+  const Relief* relief = this->relief(surface);
+  return {lying(textures_), lying(masks_), relief != nullptr && relief->by_coordinates() ? relief : nullptr};
+}
+
+const Relief* MaterialTable::relief(std::uint32_t surface) const {
+  const auto found = reliefs_.find(surfaces_[surface].material[0] - 1);
+  return found != reliefs_.end() ? &found->second : nullptr;
+}
+
+/// Reports images that what is covered cannot have.
+void MaterialTable::check_cover(const std::string& name, std::uint32_t surface, const base::Where& where, Covers covers,
+                                Problems& problems) const {
+  const CoordinateImages images = this->images(surface);
+  if (covers != Covers::mesh && images.any()) {
+    problems.add(where, "material '" + name + "' lies by the texture coordinates of a mesh, which this is not",
+                 images.mask != nullptr      ? "a mask"
+                 : images.texture != nullptr ? "a texture without texel_m"
+                                             : "a relief without texel_m",
+                 images.mask != nullptr      ? "give it to a mesh"
+                 : images.texture != nullptr ? "give its texture a texel_m, or the material to a mesh"
+                                             : "give its bump or normals a texel_m, or the material to a mesh");
+    return;
+  }
+  const Relief* relief = this->relief(surface);
+  if (relief == nullptr || relief->by_coordinates() || covers == Covers::panel) return;
+  problems.add(where, "a relief with texel_m lies on planes and faces of boxes alone",
+               "material '" + name + "' with texel_m = " + number_text(relief->texel_m()),
+               covers == Covers::mesh ? "remove texel_m, for the mesh's texture coordinates to say where it lies"
+                                      : "use a material without bump and normals here");
 }
 
 std::uint32_t MaterialTable::surface(const std::string& name, const base::Where& where, Problems& problems,
                                      Covers covers) const {
   if (const auto found = index_.find(name); found != index_.end()) {
-    if (const CoordinateImages images = this->images(found->second); covers == Covers::shape && images.any())
-      problems.add(
-          where, "material '" + name + "' lies by the texture coordinates of a mesh, which this is not",
-          images.mask != nullptr ? "a mask" : "a texture without texel_m",
-          images.mask != nullptr ? "give it to a mesh" : "give its texture a texel_m, or the material to a mesh");
+    check_cover(name, found->second, where, covers, problems);
     return found->second;
   }
   std::string known;

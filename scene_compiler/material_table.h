@@ -10,18 +10,20 @@
 
 #include "scene_compiler/compiled_scene.h"
 #include "scene_compiler/document.h"
+#include "scene_compiler/relief.h"
 #include "scene_compiler/texture.h"
 
 namespace raycube::scene {
 
-/// What a material is to cover: a mesh may have texture coordinates.
-enum class Covers { shape, mesh };
+/// What a material is to cover: a mesh may have texture coordinates, a panel (a plane, a box's face) a relief in m.
+enum class Covers { shape, panel, mesh };
 
 /// The images of a material that lie by texture coordinates; null: it has none.
 struct CoordinateImages {
   const Texture* texture = nullptr;
   const Texture* mask = nullptr;
-  bool any() const { return texture != nullptr || mask != nullptr; }
+  const Relief* relief = nullptr;
+  bool any() const { return texture != nullptr || mask != nullptr || relief != nullptr; }
 };
 
 class MaterialTable {
@@ -44,6 +46,8 @@ class MaterialTable {
   std::uint32_t at(std::uint32_t surface, double u_m, double v_m);
   /// Side of the smallest texel of its materials, m; 0: none has a texture that lies by metres.
   double texel_m(std::uint32_t surface) const;
+  /// Relief of a pure material's surface; null: it has none.
+  const Relief* relief(std::uint32_t surface) const;
 
   /// Surface of an area mix of up to four materials (surface index, fraction > 0, sum 1); equal mixes share
   /// one.
@@ -56,11 +60,14 @@ class MaterialTable {
 
  private:
   void add(const std::string& name, std::vector<Material> members);
+  void check_cover(const std::string& name, std::uint32_t surface, const base::Where& where, Covers covers,
+                   base::Problems& problems) const;
 
   std::vector<Material> materials_;
   std::uint64_t roles_ = 0;  ///< most curves of a material
   std::map<std::string, std::uint32_t> index_;
   std::map<std::uint32_t, Texture> textures_, masks_;  ///< by the (first member's) index
+  std::map<std::uint32_t, Relief> reliefs_;            ///< likewise
   std::vector<shared::Surface> surfaces_;
   std::map<std::array<std::uint32_t, 8>, std::uint32_t> mixes_;
 };

@@ -117,7 +117,7 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t 
       place(0, material.front, 1);
       if (material.gloss.number != RC_SHAPE_none) place(1 + i, material.gloss, fraction);
       for (std::size_t t = 0; t < material.further.size(); ++t) place(RC_LOBES + t, material.further[t].shape, 1);
-      if (lets_light_through(material))
+      if (lets_light_through(material) || is_plate(material))
         place(RC_LOBE_BEHIND, material.behind, static_cast<double>(out[first + RC_LOBE_BEHIND].share) + fraction);
     }
   };
@@ -142,7 +142,8 @@ CameraMatter matter_of_used(const CompiledScene& scene, const std::vector<std::u
   CameraMatter out;
   out.through = any([](const Material& material) { return lets_light_through(material); });
   out.glossy = any([](const Material& material) { return material.gloss.number != RC_SHAPE_none; });
-  out.shaped = out.glossy || first_shaped_of(scene, used) != nullptr;
+  out.plates = any([](const Material& material) { return is_plate(material); });
+  out.shaped = out.glossy || out.plates || first_shaped_of(scene, used) != nullptr;
   for (const auto material : used)
     out.further = std::max(out.further, static_cast<int>(scene.materials[material].further.size()));
   out.further_records = static_cast<int>(most_further(scene));
@@ -221,7 +222,7 @@ bool carries_light(const CompiledScene& scene, std::uint32_t curve) {
   const Material& owner = scene.materials[material_of_curve(scene, curve)];
   switch (rc_curve_role(curve, material_count(scene))) {
     case RC_CURVE_TRANSMITTANCE:
-      return lets_light_through(owner);
+      return lets_light_through(owner) || is_plate(owner);
     case RC_CURVE_GLOSS:
       return owner.gloss.number != RC_SHAPE_none;
     case RC_CURVE_REFLECTANCE:
@@ -235,12 +236,28 @@ bool lets_light_through(const Material& material) {
   return material.behind.number == RC_SHAPE_leaf && !material.transmittance.value.empty();
 }
 
+bool is_plate(const Material& material) {
+  return material.behind.number == RC_SHAPE_plate && !material.transmittance.value.empty();
+}
+
+namespace {
+
+template <class Has>
+bool any_of_primitive(const CompiledScene& scene, std::uint32_t primitive, Has&& has) {
+  bool found = false;
+  for_each_material(matter_of(scene, primitive),
+                    [&](std::size_t material, float) { found = found || has(scene.materials[material]); });
+  return found;
+}
+
+}  // namespace
+
 bool lets_light_through(const CompiledScene& scene, std::uint32_t primitive) {
-  bool through = false;
-  for_each_material(matter_of(scene, primitive), [&](std::size_t material, float) {
-    through = through || lets_light_through(scene.materials[material]);
-  });
-  return through;
+  return any_of_primitive(scene, primitive, [](const Material& material) { return lets_light_through(material); });
+}
+
+bool is_plate(const CompiledScene& scene, std::uint32_t primitive) {
+  return any_of_primitive(scene, primitive, [](const Material& material) { return is_plate(material); });
 }
 
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
@@ -249,7 +266,7 @@ std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
   for (const auto material : used) out.push_back(reflectance_curve(scene, material));
   const CameraMatter matter = matter_of_used(scene, used);
   for (const auto material : used)
-    if (matter.through) out.push_back(transmittance_curve(scene, material));
+    if (matter.through || matter.plates) out.push_back(transmittance_curve(scene, material));
   for (const auto material : used)
     if (matter.glossy) out.push_back(gloss_curve(scene, material));
   const bool mixed = scene.surfaces.size() > scene.materials.size();

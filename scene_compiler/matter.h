@@ -58,9 +58,11 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t 
 /// The first used material that does not reflect by Lambert's law; null: none.
 const Material* first_shaped(const CompiledScene& scene);
 
-/// Whether cameras see light that falls onto the other side of a material: a leaf. What goes straight on through a
-/// plate is seen by pulses alone; cameras take it for opaque.
+/// Whether what falls onto the other side of a material goes to all sides: a leaf.
 bool lets_light_through(const Material& material);
+/// Whether it goes straight on: a plate. Pulses see it, and cameras along paths (docs/light.md).
+bool is_plate(const Material& material);
+bool is_plate(const CompiledScene& scene, std::uint32_t primitive);
 /// The same of any of a primitive's materials.
 bool lets_light_through(const CompiledScene& scene, std::uint32_t primitive);
 
@@ -74,7 +76,8 @@ const FurtherLobe* further_of(const CompiledScene& scene, std::uint32_t primitiv
 /// What the matter of a scene asks of a camera's kernels.
 struct CameraMatter {
   bool shaped = false;          ///< some used material does not reflect by Lambert's law, or is glossy too
-  bool through = false;         ///< some lets light through
+  bool through = false;         ///< some lets light through, to all sides
+  bool plates = false;          ///< some lets it straight on; then it counts as shaped, so that ways are known
   bool glossy = false;          ///< some has a gloss beside what it reflects
   int further = 0;              ///< beyond the first of shapes that change with wavelength: most of any material
   int further_records = 0;      ///< as many, in surface_lobes
@@ -85,7 +88,7 @@ struct CameraMatter {
 };
 CameraMatter camera_matter(const CompiledScene& scene);
 
-/// Curves by which cameras see the used materials, ascending: reflectances, where any of them lets light through the
+/// Curves by which cameras see the used materials, ascending: reflectances, where any is a leaf or a plate the
 /// transmittances of all, since they may share surfaces, and where any is glossy the glosses of all; those of materials
 /// without count as zero.
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene);

@@ -59,20 +59,42 @@ TexelCounts texel_counts(const CoordinateImages& images) {
   TexelCounts out;
   for (const Texture* image : {images.texture, images.mask})
     if (image != nullptr) out[0].push_back(image->columns()), out[1].push_back(image->rows());
+  if (images.relief != nullptr) out[0].push_back(images.relief->columns()), out[1].push_back(images.relief->rows());
   return out;
 }
+
+using Vector = std::array<double, 3>;
+
+Vector across(const Vector& a, const Vector& b, const Vector& c) {
+  Vector p{}, q{}, out{};
+  for (std::size_t k = 0; k < 3; ++k) p[k] = b[k] - a[k], q[k] = c[k] - a[k];
+  for (std::size_t k = 0; k < 3; ++k) out[k] = p[(k + 1) % 3] * q[(k + 2) % 3] - p[(k + 2) % 3] * q[(k + 1) % 3];
+  return out;
+}
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double length(const Vector& a) { return std::sqrt(dot(a, a)); }
 
 /// The mesh anew, triangle by triangle.
 class Cutting {
  public:
-  explicit Cutting(const TriangleMesh& from) : from_(from) { mesh.vertices = from.vertices; }
+  /// has_relief: of a surface.
+  Cutting(const TriangleMesh& from, const std::function<bool(std::uint32_t)>& has_relief) : from_(from) {
+    mesh.vertices = from.vertices;
+    for (std::size_t t = 0; t < from.triangles.size(); ++t) {
+      if (!has_relief(from.surface[t])) continue;
+      const auto& at = from.triangles[t];
+      const Vector n = across(place(at[0]), place(at[1]), place(at[2]));
+      for (const std::uint32_t v : at)
+        for (std::size_t k = 0; k < 3; ++k) normals_[from.vertices[v]][k] += n[k];
+    }
+  }
 
   void keep(std::size_t triangle) { add(from_.triangles[triangle], from_.surface[triangle], triangle); }
 
   void cut(std::size_t triangle, const std::array<ImageCorner, 3>& corners, const CoordinateImages& images) {
     const std::uint32_t surface = from_.surface[triangle];
     cut_by_texels(
-        corners, texel_counts(images), images.texture == nullptr,
+        corners, texel_counts(images), images.texture == nullptr && images.relief == nullptr,
         [&](double u, double v) {
           if (images.mask != nullptr && images.mask->at(u, v) == 0) return kCutOut;
           return images.texture != nullptr ? images.texture->at(u, v) : 0u;
@@ -80,7 +102,10 @@ class Cutting {
         [&](const std::vector<ImageCorner>& piece, std::uint32_t number) {
           if (number == kCutOut) return;
           std::vector<std::uint32_t> at;
-          for (const ImageCorner& corner : piece) at.push_back(vertex(corner.position));
+          for (const ImageCorner& corner : piece)
+            at.push_back(vertex(corner.position, [&](std::array<float, 3>& placed) {
+              if (images.relief != nullptr) placed = lifted(triangle, corners, corner, *images.relief);
+            }));
           for (std::size_t k = 2; k < at.size(); ++k)
             add({at[0], at[k - 1], at[k]}, MaterialTable::member(surface, number), triangle);
         });
@@ -97,13 +122,47 @@ class Cutting {
     }
   };
 
-  /// Pieces that meet at a place share its vertex.
-  std::uint32_t vertex(const std::array<double, 3>& position) {
+  Vector place(std::uint32_t vertex) const {
+    const auto& v = from_.vertices[vertex];
+    return {v[0], v[1], v[2]};
+  }
+
+  /// Pieces that meet at a place share its vertex, also where their images do not go on into each other. move: where
+  /// that is to lie instead.
+  template <class Move>
+  std::uint32_t vertex(const std::array<double, 3>& position, Move&& move) {
     std::array<float, 3> rounded{};
     for (std::size_t k = 0; k < 3; ++k) rounded[k] = static_cast<float>(position[k]);
     const auto [entry, fresh] = known_.emplace(rounded, static_cast<std::uint32_t>(mesh.vertices.size()));
-    if (fresh) mesh.vertices.push_back(rounded);
+    if (fresh) move(rounded), mesh.vertices.push_back(rounded);
     return entry->second;
+  }
+
+  /// A place of a triangle, off it by the relief along the normals of its corners, linear between them.
+  std::array<float, 3> lifted(std::size_t triangle, const std::array<ImageCorner, 3>& corners, const ImageCorner& at,
+                              const Relief& relief) const {
+    const auto& c = corners;
+    const Vector whole = across(c[0].position, c[1].position, c[2].position);
+    const double square = dot(whole, whole);
+    Vector n{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double share = dot(across(at.position, c[(k + 1) % 3].position, c[(k + 2) % 3].position), whole) / square;
+      const Vector& here = normals_.at(from_.vertices[from_.triangles[triangle][k]]);
+      const double size = length(here);
+      for (std::size_t i = 0; i < 3 && size > 0; ++i) n[i] += share * here[i] / size;
+    }
+    double height = relief.at(at.in_image[0], at.in_image[1]);
+    if (relief.in_texels()) {
+      const auto &p = c[0].in_image, &q = c[1].in_image, &r = c[2].in_image;
+      const double texels =
+          std::abs((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])) * relief.columns() * relief.rows();
+      height *= texels > 0 ? std::sqrt(length(whole) / texels) : 0;
+    }
+    const double size = length(n);
+    std::array<float, 3> out{};
+    for (std::size_t k = 0; k < 3; ++k)
+      out[k] = static_cast<float>(at.position[k] + (size > 0 ? height * n[k] / size : 0));
+    return out;
   }
 
   void add(const std::array<std::uint32_t, 3>& corners, std::uint32_t surface, std::size_t triangle) {
@@ -115,7 +174,8 @@ class Cutting {
   }
 
   const TriangleMesh& from_;
-  std::unordered_map<std::array<float, 3>, std::uint32_t, Bits> known_;
+  std::unordered_map<std::array<float, 3>, std::uint32_t, Bits> known_;  ///< by places before they are lifted
+  std::unordered_map<std::array<float, 3>, Vector, Bits> normals_;  ///< of corners with relief: sums of faces, by area
 };
 
 /// Corners of a triangle and their places in images; nullopt: the file gives none.
@@ -134,7 +194,7 @@ std::optional<std::array<ImageCorner, 3>> image_corners(const MeshFile& file, st
 bool lay_by_coordinates(const Record& record, const MaterialTable& materials, MeshFile& file, Problems& problems) {
   const auto has_images = [&](std::uint32_t surface) { return materials.images(surface).any(); };
   if (std::none_of(file.mesh.surface.begin(), file.mesh.surface.end(), has_images)) return true;
-  Cutting cutting(file.mesh);
+  Cutting cutting(file.mesh, [&](std::uint32_t surface) { return materials.images(surface).relief != nullptr; });
   double cells = 0;
   for (std::size_t t = 0; t < file.mesh.triangles.size(); ++t) {
     const CoordinateImages images = materials.images(file.mesh.surface[t]);
@@ -147,8 +207,9 @@ bool lay_by_coordinates(const Record& record, const MaterialTable& materials, Me
       problems.add(record.place("file"),
                    "a material's image lies by texture coordinates, and faces have none that are numbers",
                    "face " + std::to_string(file.mesh.user_face[t]) + " of " + record.text("file"),
-                   images.mask != nullptr ? "unwrap the mesh, or use a material without a mask for these faces"
-                                          : "unwrap the mesh, or give the texture a texel_m");
+                   images.mask != nullptr || images.relief != nullptr
+                       ? "unwrap the mesh, or use a material without a mask or relief for these faces"
+                       : "unwrap the mesh, or give the texture a texel_m");
       return false;
     }
     cells += texel_cells(*corners, texel_counts(images));

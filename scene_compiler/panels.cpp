@@ -20,16 +20,23 @@ std::vector<double> edges(double size_m, double cell_m) {
   return out;
 }
 
-/// Rectangle spanned by axes u and v (unit) about a centre, facing u x v; squares from the corner -u, -v.
+/// Rectangle spanned by axes u and v (unit) about a centre, facing u x v; squares from the corner -u, -v. held: its
+/// edges are not lifted.
 void add_rectangle(TriangleMesh& mesh, const Vector& center, const Vector& u, const Vector& v, double size_u,
-                   double size_v, const Cut& cut) {
+                   double size_v, const Cut& cut, bool held) {
   const auto us = edges(size_u, cut.cell_m), vs = edges(size_v, cut.cell_m);
+  const Vector n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const auto lifted_m = [&](double a, double b) {
+    const bool edge = a == us.front() || a == us.back() || b == vs.front() || b == vs.back();
+    return !cut.height_m || (held && edge) ? 0.0 : cut.height_m(a - us.front(), b - vs.front());
+  };
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const auto width = static_cast<std::uint32_t>(us.size());
   for (const double b : vs)
     for (const double a : us) {
       std::array<float, 3> point;
-      for (std::size_t k = 0; k < 3; ++k) point[k] = static_cast<float>(center[k] + a * u[k] + b * v[k]);
+      const double h = lifted_m(a, b);
+      for (std::size_t k = 0; k < 3; ++k) point[k] = static_cast<float>(center[k] + a * u[k] + b * v[k] + h * n[k]);
       mesh.vertices.push_back(point);
     }
   for (std::uint32_t j = 0; j + 1 < vs.size(); ++j)
@@ -62,7 +69,7 @@ TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::arra
   const double tilt = base::rad_by_division(tilt_deg);
   TriangleMesh mesh;
   add_rectangle(mesh, position_m, turned({1, 0, 0}, yaw_deg), turned({0, std::cos(tilt), -std::sin(tilt)}, yaw_deg),
-                size_m[0], size_m[1], cut);
+                size_m[0], size_m[1], cut, false);
   return mesh;
 }
 
@@ -78,7 +85,7 @@ TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<
   const double w = size_m[0], l = size_m[1], h = size_m[2];
   TriangleMesh mesh;
   const auto side = [&](BoxFace face, const Vector& center, const Vector& u, const Vector& v, double size_u,
-                        double size_v) { add_rectangle(mesh, center, u, v, size_u, size_v, faces[face]); };
+                        double size_v) { add_rectangle(mesh, center, u, v, size_u, size_v, faces[face], true); };
   side(kTop, at(0, 0, h), x, y, w, l);
   side(kBottom, at(0, 0, 0), minus(x), y, w, l);
   side(kNorth, at(0, l / 2, h / 2), minus(x), z, w, h);

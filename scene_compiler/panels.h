@@ -9,11 +9,13 @@
 
 namespace raycube::scene {
 
-/// A rectangle cut into squares from its corner -x, -y; cell_m 0: one square.
+/// A rectangle cut into squares from its corner -x, -y; cell_m 0: one square. Corners of squares may be lifted.
 struct Cut {
   double cell_m = 0;
   /// Surface of square (column, row), from 0 at that corner.
   std::function<std::uint32_t(std::uint32_t column, std::uint32_t row)> surface;
+  /// How far off the rectangle a place lies, m, by its way from that corner, m; none: it is flat.
+  std::function<double(double along_m, double up_m)> height_m = {};
 };
 
 /// Turns clockwise by yaw_deg seen from above: local +y points to azimuth yaw_deg.

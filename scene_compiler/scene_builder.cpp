@@ -26,18 +26,23 @@ Cut checker_of(const Record& checker, MaterialTable& materials, Problems& proble
           }};
 }
 
-/// One square of one material, or a square for each texel.
+/// One square of one material, or a square for each texel, lifted by its relief.
 Cut texels_of(std::uint32_t surface, MaterialTable& materials) {
-  const double texel_m = materials.texel_m(surface);
-  return {texel_m, [surface, texel_m, &materials](std::uint32_t column, std::uint32_t row) {
+  const Relief* relief = materials.relief(surface);
+  if (relief != nullptr && relief->by_coordinates()) relief = nullptr;  // reported
+  double texel_m = materials.texel_m(surface);
+  if (relief != nullptr) texel_m = texel_m > 0 ? std::min(texel_m, relief->texel_m()) : relief->texel_m();
+  Cut out{texel_m, [surface, texel_m, &materials](std::uint32_t column, std::uint32_t row) {
             return materials.at(surface, (column + 0.5) * texel_m, (row + 0.5) * texel_m);
           }};
+  if (relief != nullptr) out.height_m = [relief](double along_m, double up_m) { return relief->at(along_m, up_m); };
+  return out;
 }
 
 bool too_many_cells(double width_m, double length_m, const Cut& cut, const Record& record, Problems& problems) {
   const auto along = [&](double size_m) { return std::max(1.0, std::ceil(size_m / cut.cell_m)); };
   if (cut.cell_m <= 0 || along(width_m) * along(length_m) <= 1e7) return false;
-  problems.add(record.where, "more than 1e7 squares of a checkerboard or texture on one face",
+  problems.add(record.where, "more than 1e7 squares of a checkerboard, texture or relief on one face",
                number_text(width_m) + " x " + number_text(length_m) + " m of " + number_text(cut.cell_m) + " m",
                "use larger squares or texels");
   return true;
@@ -59,7 +64,8 @@ void add_plane(const Record& record, const std::string& name, MaterialTable& mat
   const Cut cut =
       checker_record
           ? checker_of(*checker_record, materials, problems)
-          : texels_of(materials.surface(record.text("material"), record.place("material"), problems), materials);
+          : texels_of(materials.surface(record.text("material"), record.place("material"), problems, Covers::panel),
+                      materials);
   const auto& size = record.numbers("size_m");
   if (too_many_cells(size[0], size[1], cut, record, problems)) return;
   place_once(parts, name,
@@ -72,7 +78,7 @@ void add_box(const Record& record, const std::string& name, MaterialTable& mater
   std::array<std::uint32_t, 6> surface{};
   std::array<bool, 6> known{};
   if (record.given("material")) {
-    surface.fill(materials.surface(record.text("material"), record.place("material"), problems));
+    surface.fill(materials.surface(record.text("material"), record.place("material"), problems, Covers::panel));
     known.fill(true);
   }
   for (const auto& [face, value] : record.value("materials").map) {
@@ -83,7 +89,7 @@ void add_box(const Record& record, const std::string& name, MaterialTable& mater
       continue;
     }
     const auto index = static_cast<std::size_t>(found - kBoxFaceNames.begin());
-    surface[index] = materials.surface(value.text, value.where, problems);
+    surface[index] = materials.surface(value.text, value.where, problems, Covers::panel);
     known[index] = true;
   }
   std::array<Cut, 6> faces;

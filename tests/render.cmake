@@ -7,6 +7,7 @@ raycube_test(render_spectral_shapes SOURCES oracle/render_spectral_shapes_test.c
 raycube_test(render_gloss SOURCES oracle/render_gloss_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_lamps SOURCES oracle/render_lamps_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_leaves SOURCES oracle/render_leaves_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_plates SOURCES oracle/render_plates_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_bounces SOURCES oracle/render_bounces_test.cpp LIBS raycube_render_support raycube_test_scenes
   LABELS fast)
 raycube_test(photons SOURCES oracle/photons_test.cpp LIBS raycube::run raycube_render_support LABELS fast)

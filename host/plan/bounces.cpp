@@ -62,15 +62,15 @@ Curves lobe_factors(const Plan& plan, const scene::Material& material) {
   return out;
 }
 
-/// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and their sums,
-/// and 1, a gloss's; none of what is black.
+/// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and plates, sums of
+/// both, and 1, a gloss's; none of what is black.
 Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
   Curves out, shares;  // the latter of shapes that change with wavelength
   for (const auto number : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[number];
     out.push_back(sample_reflectance(material, plan.wavelength_um));
     for (auto& share : lobe_factors(plan, material)) shares.push_back(std::move(share));
-    if (!scene::lets_light_through(material)) continue;
+    if (!scene::lets_light_through(material) && !scene::is_plate(material)) continue;
     const std::size_t reflectance = out.size() - 1;
     out.push_back(sample_curve(material, material.transmittance, plan.wavelength_um));
     out.push_back(out[reflectance]);
@@ -352,7 +352,8 @@ class Judge {
 };
 
 void fit_skeleton(Bounces& out, const Plan& plan, const Parts& parts, double share) {
-  const int most = std::clamp(out.levels + 1, 2, kMostFactors);
+  // What plates let through comes beside what the levels count, to the viewer and from the sun.
+  const int most = plan.matter.plates ? kMostFactors : std::clamp(out.levels + 1, 2, kMostFactors);
   std::vector<Factors> training = every_product(parts, most);
   if (training.empty()) training = drawn_products(parts, most, kTraining);
   ColumnPicks picks(rows_of(training, parts));
@@ -441,6 +442,22 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
   for (const std::size_t i : plan.bounces.skeleton) at_um.push_back(plan.wavelength_um[i]);
   plan.bounces.curve = sampled_curves(scene, at_um);
   plan.bounces.scattering = surface_scattering(scene, plan.bounces.curve, at_um.size());
+}
+
+void tell_of_plates(Plan& plan, const scene::Instrument& instrument) {
+  const auto tell = [&](const char* why) {
+    plan.notices.push_back(std::string("plates (transmission = \"plate\") ") + why);
+  };
+  if (!plan.matter.plates) return;
+  if (!plan.bounces.any()) {
+    tell(
+        "are opaque here: light through them goes along paths, and none are followed; set bounces to \"auto\" or above "
+        "0");
+    return;
+  }
+  if (plan.lamps.sources() > 0) tell("are opaque to the light of lamps");
+  if (instrument.adaptive())
+    tell("hide what lies behind them from the first samples, so that every pixel has all its samples");
 }
 
 }  // namespace raycube::plan

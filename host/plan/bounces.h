@@ -31,5 +31,7 @@ inline constexpr double kMostAmplified = 4;  ///< that the skeleton may make of 
 /// `share` of what one of their curves shows by itself, rms over the products that it is in, of the worst curve and
 /// band; 128 at most, and all of a shorter grid.
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share);
+/// After it: notices of what cameras do not see through plates.
+void tell_of_plates(Plan& plan, const scene::Instrument& instrument);
 
 }  // namespace raycube::plan

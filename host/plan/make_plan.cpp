@@ -487,8 +487,10 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);
   plan.report.bounces.open = !simulation.bounces_given && instrument.auto_bounces;
-  const int bounces = simulation.bounces_given || instrument.auto_bounces ? simulation.bounces : 0;
+  const bool follows = simulation.bounces_given || instrument.auto_bounces || plan.matter.plates;
+  const int bounces = follows ? simulation.bounces : 0;
   plan_bounces(plan, simulation.scene, bounces, simulation.sky_directions, setting.share);
+  tell_of_plates(plan, instrument);
   return plan;
 }
 

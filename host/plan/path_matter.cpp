@@ -82,7 +82,8 @@ std::vector<float> sampled_curves(const scene::CompiledScene& scene, const std::
   for (const auto number : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[number];
     sample(material, scene::reflectance_curve(scene, number));
-    if (scene::lets_light_through(material)) sample(material, scene::transmittance_curve(scene, number));
+    if (scene::lets_light_through(material) || scene::is_plate(material))
+      sample(material, scene::transmittance_curve(scene, number));
     if (material.gloss.number != RC_SHAPE_none) sample(material, scene::gloss_curve(scene, number));
     for (std::size_t t = 0; t < material.further.size(); ++t) sample(material, scene::further_curve(scene, number, t));
   }

@@ -117,6 +117,24 @@ void check_mixed_gloss(const scene::CompiledScene& scene, const base::Where& whe
                  "give them one gloss, or set mixture = \"stochastic\"");
 }
 
+/// Paths go straight on through a whole surface, or not.
+void check_mixed_plates(const scene::CompiledScene& scene, const base::Where& where, base::Problems& problems) {
+  const auto used = scene::used_materials(scene);
+  for (const shared::Surface& surface : scene.surfaces) {
+    const scene::Material *plate = nullptr, *other = nullptr;
+    bool seen = true;
+    scene::for_each_material(surface, [&](std::size_t material, float fraction) {
+      const scene::Material& here = scene.materials[material];
+      if (fraction > 0) (scene::is_plate(here) ? plate : other) = &here;
+      seen = seen && std::binary_search(used.begin(), used.end(), static_cast<std::uint32_t>(material));
+    });
+    if (!plate || !other || !seen) continue;
+    problems.add(where, "a plate mixed in a cell with other matter", "'" + plate->name + "' and '" + other->name + "'",
+                 "set mixture = \"stochastic\"");
+    return;
+  }
+}
+
 }  // namespace
 
 void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems,
@@ -129,6 +147,7 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
   };
   if (instrument.auto_bounces) check_width(scene, where, problems);
   check_mixed_gloss(scene, where, problems);
+  check_mixed_plates(scene, where, problems);
   std::set<std::pair<std::uint32_t, std::uint32_t>>
       told;  // family and role: its members have the wavelengths of one file
   for (const auto curve : scene::seen_curves(scene)) {

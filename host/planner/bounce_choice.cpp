@@ -28,8 +28,8 @@ bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan) {
   const double once_missed = std::min(1.0, met.rms * most / (facing * std::max(1 - each, 1e-3)));
   const double share = kMissedShare * plan.tolerance, missed = once_missed * std::pow(each, bounces.levels);
   // A gloss shows of other surfaces what the look does not weigh: beside dark matter it is most of what is seen. So may
-  // be what a lamp makes bright.
-  const bool drop = once_missed <= share && !plan.matter.glossy && plan.lamps.sources() == 0;
+  // be what a lamp makes bright, and all that lies behind plates.
+  const bool drop = once_missed <= share && !plan.matter.glossy && !plan.matter.plates && plan.lamps.sources() == 0;
   // What the wavelengths err by counts where surfaces are met.
   if (drop || (bounces.error * met.mean <= bounces.share && bounces.amplified <= plan::kMostAmplified))
     std::erase_if(plan.notices, [](const auto& told) { return told.starts_with(plan::kBetweenSurfaces); });

@@ -18,7 +18,8 @@ namespace raycube::reference {
 
 namespace {
 
-constexpr std::uint32_t kFirstDraw = 1000;  ///< of rc_hash; the device's dimensions end far below
+constexpr std::uint32_t kFirstDraw = 1000;  ///< of rc_hash; the device's end far below, but for plates (from 4096)
+constexpr double kThroughPlates = 0.5;      ///< share of the paths that meet a plate and go through it
 constexpr double kByGloss = 0.4;            ///< share of the paths that leave a glossy surface by its gloss
 constexpr int kOpenSteps = 256;             ///< of an open sky's integral, each way
 
@@ -97,10 +98,64 @@ BouncedLight::Spectrum BouncedLight::scattered(const Sample& side, const glm::dv
   return out;
 }
 
-void BouncedLight::add_sun(const SampledPixel& at, Walk& walk) const {
+void BouncedLight::add_sun(const SampledPixel& at, Walk& walk, bool seen_too) const {
   if (plan_.sun_sources == 0) return;
-  for (const Sample* side : sides_of(at))
-    if (side->sun_visible) walk.add(0, side->cos_sun, scattered(*side, to_double(plan_.sun_direction)));
+  const glm::dvec3 sun = to_double(plan_.sun_direction);
+  for (const Sample* side : sides_of(at)) {
+    if (side->sun_visible) {
+      if (seen_too) walk.add(0, side->cos_sun, scattered(*side, sun));
+      continue;
+    }
+    Spectrum let(walk.carried.size(), 1.0);
+    if (!plan_.matter.plates || !plan_.sun_up || !(side->cos_sun > 0) || !behind_plates(*side, sun, let)) continue;
+    const Spectrum sent = scattered(*side, sun);
+    for (std::size_t i = 0; i < let.size(); ++i) let[i] *= sent[i];
+    walk.add(0, side->cos_sun, let);
+  }
+}
+
+bool BouncedLight::behind_plates(Sample from, const glm::dvec3& way, Spectrum& let) const {
+  for (;;) {
+    const Hit hit = scene_.meets(from, way);
+    if (hit.miss()) return true;
+    if (!scene::is_plate(scene_.compiled, hit.primitive)) return false;
+    from = stand(from, way, hit).samples[0];
+    const Spectrum through = let_through(from);
+    for (std::size_t i = 0; i < let.size(); ++i) let[i] *= through[i];
+    from.normal = -from.normal;
+  }
+}
+
+BouncedLight::Spectrum BouncedLight::let_through(const Sample& at) const {
+  Spectrum out(plan_.wavelength_um.size(), 0.0);
+  const scene::CompiledScene& scene = scene_.compiled;
+  scene::for_each_material(scene::matter_of(scene, at.hit.primitive), [&](std::size_t material, float fraction) {
+    const Spectrum& curve = curve_[scene::transmittance_curve(scene, material) - 1];
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += static_cast<double>(fraction) * curve[i];
+  });
+  return out;
+}
+
+bool BouncedLight::pass(const SampledPixel& at, Walk& walk) const {
+  const Sample& near = at.samples[0];
+  if (!plan_.matter.plates || !scene::is_plate(scene_.compiled, near.hit.primitive)) return false;
+  if (walk.draw() >= kThroughPlates) {
+    walk.carry(1 / (1 - kThroughPlates), Spectrum(walk.carried.size(), 1.0));
+    return false;
+  }
+  walk.carry(1 / kThroughPlates, let_through(near));
+  walk.way = glm::normalize(to_double(near.ray.direction));
+  walk.from = near;
+  walk.from.normal = -near.normal;
+  return true;
+}
+
+Hit BouncedLight::ahead(Walk& walk, bool& passed) const {
+  for (;;) {
+    const Hit hit = scene_.meets(walk.from, walk.way);
+    if (hit.miss() || !plan_.matter.plates || !pass(stand(walk.from, walk.way, hit), walk)) return hit;
+    passed = true;
+  }
 }
 
 void BouncedLight::add_lamps(const SampledPixel& at, Walk& walk) const {
@@ -118,6 +173,13 @@ void BouncedLight::add_sky(const glm::dvec3& way, Walk& walk) const {
   const Spectrum one(walk.carried.size(), 1.0);
   for (std::size_t c = 0; c < static_cast<std::size_t>(plan_.sky_components); ++c)
     walk.add(static_cast<std::size_t>(plan_.sun_sources) + c, std::numbers::pi * light[c], one);
+}
+
+void BouncedLight::add_last_sky(Walk& walk) const {
+  Spectrum let(walk.carried.size(), 1.0);
+  if (plan_.matter.plates ? !behind_plates(walk.from, walk.way, let) : !scene_.sees(walk.from, walk.way)) return;
+  walk.carry(1, let);
+  add_sky(walk.way, walk);
 }
 
 void BouncedLight::add_ground(Walk& walk) const {
@@ -159,10 +221,10 @@ bool BouncedLight::turn(const SampledPixel& at, Walk& walk) const {
   return walk.carry(factor, sent);
 }
 
-SampledPixel BouncedLight::stand(const Walk& walk, const Hit& hit) const {
+SampledPixel BouncedLight::stand(const Sample& from, const glm::dvec3& way, const Hit& hit) const {
   SampledPixel at;
   Sample& sample = at.samples.emplace_back();
-  sample.ray = {rounded(walk.from.point), rounded(walk.way), {}};
+  sample.ray = {rounded(from.point), rounded(way), {}};
   sample.hit = hit;
   if (plan_.matter.through) at.far_sides.resize(1);
   if (plan_.matter.glossy) at.glosses.resize(1);
@@ -202,21 +264,24 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
   at.samples = {first};
   if (!pixel.far_sides.empty()) at.far_sides = {pixel.far_sides[chosen]};
   if (!pixel.glosses.empty()) at.glosses = {pixel.glosses[chosen]};
-  for (int level = 0; turn(at, walk); ++level) {
+  if (plan_.matter.plates) add_sun(at, walk, false);
+  bool passed = pass(at, walk);
+  for (int level = 0; passed || turn(at, walk); ++level) {
     if (level == levels_) {
-      if (scene_.sees(walk.from, walk.way)) add_sky(walk.way, walk);
+      add_last_sky(walk);
       break;
     }
-    const Hit hit = scene_.meets(walk.from, walk.way);
+    const Hit hit = ahead(walk, passed);
     if (hit.miss()) {
       if (!(walk.way.z > 0))
         add_ground(walk);
-      else if (level > 0)
+      else if (level > 0 || passed)
         add_sky(walk.way, walk);  // else it is light scattered once
       break;
     }
-    at = stand(walk, hit);
-    add_sun(at, walk);
+    passed = false;
+    at = stand(walk.from, walk.way, hit);
+    add_sun(at, walk, true);
     add_lamps(at, walk);
   }
   return at_sensor(pixel, first, walk);

@@ -25,9 +25,20 @@ class BouncedLight {
   /// Of light that falls onto a side from a direction, what goes to the path's viewer over Lambert's law: its
   /// materials' curves by their fractions and shapes.
   Spectrum scattered(const Sample& side, const glm::dvec3& from) const;
-  void add_sun(const SampledPixel& at, Walk& walk) const;
+  /// Through plates too, which hide it from all else; seen_too: what nothing hides.
+  void add_sun(const SampledPixel& at, Walk& walk, bool seen_too) const;
+  /// Whether nothing but plates lies ahead; multiplies `let` by what they let through.
+  bool behind_plates(Sample from, const glm::dvec3& way, Spectrum& let) const;
+  /// Transmittance of the plate that a sample lies on.
+  Spectrum let_through(const Sample& at) const;
+  /// Whether a path that met a plate goes straight on through it, which chance decides; of all else it does not.
+  bool pass(const SampledPixel& at, Walk& walk) const;
+  /// What the path meets next, beyond plates that it passes; passed: whether it did.
+  Hit ahead(Walk& walk, bool& passed) const;
   void add_lamps(const SampledPixel& at, Walk& walk) const;
   void add_sky(const glm::dvec3& way, Walk& walk) const;
+  /// The same from the last surface, where nothing but plates hides it.
+  void add_last_sky(Walk& walk) const;
   /// Open level ground around the scene, of its mean reflectance: where a path ends that leaves the scene downwards.
   void add_ground(Walk& walk) const;
   /// Chooses side and direction in which the path goes on; false: it does not.
@@ -35,7 +46,7 @@ class BouncedLight {
   /// The same by the gloss of the surface.
   bool mirror(const Sample& gloss, Walk& walk) const;
   /// The sides of the surface that a path's ray met, lit or not by the sun, as of a pixel with one sample.
-  SampledPixel stand(const Walk& walk, const Hit& hit) const;
+  SampledPixel stand(const Sample& from, const glm::dvec3& way, const Hit& hit) const;
   /// Radiance of the bands at the pixel's sensor, by the nodes of the point that it sees.
   std::vector<double> at_sensor(const SampledPixel& pixel, const Sample& first, const Walk& walk) const;
 

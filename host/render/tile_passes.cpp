@@ -60,6 +60,11 @@ std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& se
   return small;
 }
 
+/// Whether first samples tell which pixels need more: a look without paths does not see what lies behind plates.
+bool looks_first(const RenderSetup& setup) {
+  return setup.instrument.adaptive() && !(setup.shape.bounces && setup.shape.matter.plates);
+}
+
 }  // namespace
 
 void add_counts(RenderStatistics& sum, const RenderStatistics& part) {
@@ -123,7 +128,7 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
       small_(small_objects_of(setup)),
       fine_bytes_(small_ ? table_bytes / kFineShare : 0),
       table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes - fine_bytes_),
-      coarse_instrument_(setup.instrument.adaptive() ? with_first_samples(setup.instrument) : nullptr),
+      coarse_instrument_(looks_first(setup) ? with_first_samples(setup.instrument) : nullptr),
       full_(setup, table_,
             static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group) *
                 setup.shape.pixels_per_group,

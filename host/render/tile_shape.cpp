@@ -56,7 +56,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.channels =
       std::max({plan.source_channels() + (shape.covers ? 1 : 0), plan.path_channels(), plan.environment_channels()});
   shape.environment = !plan.environment.empty();
-  shape.first_opaque = instrument.first_opaque && plan.matter.through;
+  shape.first_opaque = instrument.first_opaque && (plan.matter.through || plan.matter.plates);
   shape.bounces = plan.bounces.any(), shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
   shape.bands = static_cast<int>(plan.columns());
   shape.bands_padded = RC_PADDED(shape.bands);
@@ -79,6 +79,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   if (shape.lamps > 0) both("RC_LAMPS", shape.lamps);
   if (shape.matter.shaped) both("RC_SHAPED", 1);
   if (shape.matter.through) both("RC_THROUGH", 1);
+  if (shape.matter.plates) trace("RC_PLATES", 1);
   if (shape.matter.glossy) both("RC_GLOSSY", 1);
   if (shape.matter.further > 0) both("RC_FURTHER", shape.matter.further);
   if (shape.matter.further_records > 0) both("RC_FURTHER_RECORDS", shape.matter.further_records);

@@ -242,6 +242,8 @@ struct TraceStages::State {
                              .groups = traced.groups,
                              .hits = traced.hits,
                              .surface = traced.surface,
+                             .lift = traced.lift,
+                             .sun = traced.sun,
                              .skyline_cells = buffers.skyline_cells,
                              .skyline_frame = skyline_frame(),
                              .skyline_instance = buffers.skyline.instance,
@@ -331,7 +333,7 @@ void TraceStages::run_first_opaque(const TileLayout& layout, int chunk, const Tr
                                                             .lobes = s.buffers.lobes,
                                                             .groups = traced.groups,
                                                             .hits = traced.hits,
-                                                            .surface = traced.surface,
+
                                                             .seed = s.seed,
                                                             .columns = layout.columns,
                                                             .first_sample = s.first_sample(chunk),

@@ -83,7 +83,7 @@ DerivedLayers::DerivedLayers(const scene::CompiledScene& scene, const scene::Ins
     if (material.in_family != 0) continue;
     temperature_K_.push_back(material.temperature_K > 0 ? material.temperature_K
                                                         : std::numeric_limits<double>::quiet_NaN());
-    through_.push_back(scene::lets_light_through(material));
+    through_.push_back(scene::lets_light_through(material) || scene::is_plate(material));
   }
 }
 

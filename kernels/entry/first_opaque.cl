@@ -1,5 +1,5 @@
-/* Reads: hits and the far sides of make_surface, ray groups, the scene. Writes: of every sample the primitive that its
- * ray meets first of those that let no light through, leaves on its way passed straight; RC_NONE where there is none.
+/* Reads: hits, ray groups, the scene. Writes: of every sample the primitive that its ray meets first of those that let
+ * no light through, leaves and plates on its way passed straight; RC_NONE where there is none.
  * For truth alone: the host counts what they are made of. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/ray_trace.h"
@@ -9,23 +9,32 @@
 
 #define RC_MOST_LEAVES 4096u /* on one ray: more would be an error of rounding */
 
-/* Takes the live rays to what they meet next, files it, and puts those that met a leaf behind it, which are returned.
- */
+/* Of `live`, the rays whose ends let light through; they are put behind them. */
 __attribute__((noinline)) static uint rc_pass_leaves(SceneArrays scene, global const Lobe* lobes, uint live,
-                                                     Rays16* rays, Ends16* ends, global uint* out) {
+                                                     Rays16* rays, Ends16* ends) {
   uint on = 0;
-  for (; live; live &= live - 1u) {
-    const uint k = rc_lowest(live);
-    const Hit hit = rc_trace_ray(scene, (float4)(rays->x[k], rays->y[k], rays->z[k], 0.0f), rc_way_of(rays, k));
-    out[k] = hit.instance == RC_NONE ? RC_NONE : hit.primitive;
-    if (hit.instance == RC_NONE || !rc_is_leaf(lobes, rc_surface_of(scene, hit.primitive))) continue;
-    ends->instance[k] = hit.instance, ends->primitive[k] = hit.primitive;
-    on |= 1u << k;
+  for (uint left = live; left; left &= left - 1u) {
+    const uint k = rc_lowest(left), surface = rc_surface_of(scene, ends->primitive[k]);
+    if (rc_is_leaf(lobes, surface) || rc_is_plate(lobes, surface)) on |= 1u << k;
   }
   if (on) rc_stand(scene, lobes, rays, on, ends);
   for (uint left = on; left; left &= left - 1u) {
     const uint k = rc_lowest(left);
     rc_put_ray(rays, k, rc_lane_of(ends->back, k), rc_way_of(rays, k));
+  }
+  return on;
+}
+
+/* Takes the live rays to what they meet next, and files it. Returns those that meet anything. */
+__attribute__((noinline)) static uint rc_meet_next(SceneArrays scene, uint live, const Rays16* rays, Ends16* ends,
+                                                   global uint* out) {
+  uint on = 0;
+  for (; live; live &= live - 1u) {
+    const uint k = rc_lowest(live);
+    const Hit hit = rc_trace_ray(scene, (float4)(rays->x[k], rays->y[k], rays->z[k], 0.0f), rc_way_of(rays, k));
+    out[k] = hit.instance == RC_NONE ? RC_NONE : hit.primitive;
+    ends->instance[k] = hit.instance, ends->primitive[k] = hit.primitive;
+    if (hit.instance != RC_NONE) on |= 1u << k;
   }
   return on;
 }
@@ -40,21 +49,23 @@ RC_BODY first_opaque_body(uint index, RC_PARAMETERS(RC_FIRST_OPAQUE_ARGUMENTS)) 
   for (uint p = 0; p < place.used; ++p)
     for (uint word = 0; word < RC_NEAR_WORDS; ++word) {
       global const uint* in = hits + RC_HITS_AT(place.pixel + p) + word * 16u;
-      global const float* behind = surface + RC_SURFACE_AT(place.pixel + p) + RC_SLOT_OF(word * 16u, RC_FAR_SIDE);
       global uint* out = opaque + RC_FIRST_OPAQUE_AT(place.pixel + p) + word * 16u;
-      uint live = rc_let_through(scene, lobes, in);
+      uint live = 0;
       Rays16 rays;
       Ends16 ends;
       for (uint k = 0; k < 16u; ++k) {
         float a, b;
         rc_group_sample(seed, place.number + p, p, first_sample + word * 16u + k, &a, &b);
-        const float4 point = (float4)(behind[RC_PLANE(RC_POINT_X) + k], behind[RC_PLANE(RC_POINT_Y) + k],
-                                      behind[RC_PLANE(RC_POINT_Z) + k], 0.0f);
-        rc_put_ray(&rays, k, point, normalize(rc_group_direction(group, a, b)));
+        rc_put_ray(&rays, k, group.origin + rc_group_offset(group, a, b), normalize(rc_group_direction(group, a, b)));
         out[k] = in[k] == RC_NONE ? RC_NONE : in[RC_PLANE(RC_HIT_PRIMITIVE) + k];
+        ends.instance[k] = in[k], ends.primitive[k] = out[k];
+        if (in[k] != RC_NONE) live |= 1u << k;
       }
-      for (uint leaf = 0; live && leaf < RC_MOST_LEAVES; ++leaf)
-        live = rc_pass_leaves(scene, lobes, live, &rays, &ends, out);
+      live = live ? rc_pass_leaves(scene, lobes, live, &rays, &ends) : 0u;
+      for (uint leaf = 0; live && leaf < RC_MOST_LEAVES; ++leaf) {
+        live = rc_meet_next(scene, live, &rays, &ends, out);
+        if (live) live = rc_pass_leaves(scene, lobes, live, &rays, &ends);
+      }
     }
 }
 

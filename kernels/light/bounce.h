@@ -5,114 +5,9 @@
 #define RAYCUBE_KERNELS_LIGHT_BOUNCE_H
 
 #include "kernels/geometry/any_hits16.h"
-#if RC_LAMPS
-#include "kernels/light/lamps.h"
-#endif
-#include "kernels/geometry/ray_trace.h"
-#include "kernels/light/path_ends.h"
-#include "kernels/light/sky_map.h"
+#include "kernels/light/path_matter.h"
+#include "kernels/light/plates.h"
 #include "kernels/sampling/sky_rays.h"
-#include "kernels/shared/product_key.h"
-
-#define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
-#if RC_LAMPS
-#define RC_GATHER_LAMPS() \
-  , { lamps, lamp_first, lamp_distribution }
-#else
-#define RC_GATHER_LAMPS()
-#endif
-#define RC_LAMP_DRAW 11u /* after them, and past the photons' and RC_LAMP_DIMENSION: six for each source of lamps */
-
-/* What paths ask of matter and light. */
-typedef struct PathTables {
-  global const Lobe* lobes;           /* [surface][RC_LOBE_STRIDE] */
-  global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
-  global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
-  global const float* source_share;   /* [sun, solar components][RC_SKELETON]: a source's light over that of all */
-  global const float* ground_around;  /* [RC_SKELETON]: pi times its radiance over the light of all */
-  SkyMap sky;
-  float4 sun;   /* direction to it */
-  float lowest; /* z of the scene, m */
-  uint sun_up, levels, seed;
-#if RC_LAMPS
-  LampTables lamps;
-#endif
-} PathTables;
-
-typedef struct Paths16 {
-  Rays16 rays;
-  float carried[16][RC_SKELETON];
-  float gained[16][RC_GLOW_WIDTH]; /* of sun and sky, then of each source of lamps */
-  float reach[16];                 /* bound of what is carried: product of the surfaces' largest R + T */
-  float scale[16];                 /* samples that the path stands for, times their weight */
-  uint pixel[16], part[16];        /* of the group; part of its samples */
-  uint number[16], path[16];       /* of the pixel in the image, of the path in the pixel: for draws */
-  uint count;
-  uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
-  Ends16 ends;
-} RC_LINE Paths16;
-
-#if RC_GLOSSY
-/* The gloss of a surface: materials mixed in it share one. Its shape is RC_SHAPE_none where it has none. */
-static inline Lobe rc_gloss_of(const PathTables* t, uint surface) {
-  Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + 1u];
-  for (uint i = 2; i < RC_LOBE_BEHIND; ++i)
-    if (!(lobe.share > 0.0f)) lobe = t->lobes[surface * RC_LOBE_STRIDE + i];
-  return lobe;
-}
-
-static inline bool rc_glossy(const PathTables* t, uint surface) { return t->scattering[surface].z > 0.0f; }
-
-/* How many times Lambert's radiance goes from `in` to `out` by a gloss. */
-static inline float rc_gloss_factor(const PathTables* t, Lobe gloss, float4 normal, float4 in, float4 out) {
-  return rc_shape_eval(gloss.shape, 3.14159265f, rc_parameters(t->lobes, gloss), rc_angles(normal, in, out));
-}
-#endif
-
-/* Factors of the further lobes by which a side of a surface scatters, [RC_FURTHER]: `scale` times how many times
- * Lambert's radiance goes from `in` to `out`. 0 where there are none. */
-static inline void rc_more_factors(const PathTables* t, uint surface, uint side, float4 normal, float4 in, float4 out,
-                                   float scale, float* more) {
-#if RC_FURTHER
-  for (uint number = 0; number < RC_FURTHER; ++number) {
-    const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + RC_LOBES + number];
-    more[number] = 0.0f;
-    const uint role = side == RC_GLOSS_SIDE ? RC_ROLE_gloss : RC_ROLE_front;
-    if (side != RC_FAR_SIDE && lobe.share > 0.0f && (uint)rc_shape_role(lobe.shape) == role)
-      more[number] =
-          scale * rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(t->lobes, lobe), rc_angles(normal, in, out));
-  }
-#endif
-}
-
-/* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried.
- * more: factors of further lobes, as `factor` is the first one's; read where there are any. */
-static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surface, uint side, float factor,
-                               const float* more, const float* carried, float* out) {
-  global const Surface* s = rc_surface(scene, surface);
-  for (uint m = 0; m < RC_SKELETON; m += 16u) {
-    float16 curve = 0.0f;
-    for (uint i = 0; i < 4u; ++i) {
-      if (s->material[i] == 0u || s->fraction[i] == 0.0f) continue;
-      const uint id = rc_curve_id(rc_curve_of_side(side), s->material[i] - 1u, RC_MATERIALS);
-      curve =
-          fma((float16)(s->fraction[i]), vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
-    }
-#if RC_FURTHER
-    curve *= factor;
-    for (uint i = 0; i < 4u * RC_FURTHER; ++i) {
-      const uint material = s->material[i % 4u], number = i / 4u;
-      if (material == 0u || more[number] == 0.0f) continue;
-      const uint id = rc_curve_id(RC_CURVE_FURTHER + number, material - 1u, RC_MATERIALS);
-      curve = fma((float16)(more[number] * s->fraction[i % 4u]),
-                  vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
-    }
-    vstore16(curve * vload16(0, carried + m), 0, out + m);
-#else
-    vstore16(factor * curve * vload16(0, carried + m), 0, out + m);
-#endif
-  }
-}
 
 #if RC_GLOSSY
 /* Adds light that falls onto a side from a direction and goes back by the surface's gloss; gained: of its source. */
@@ -127,11 +22,6 @@ static inline void rc_gain_mirrored(SceneArrays scene, const PathTables* t, uint
   for (uint m = 0; m < RC_SKELETON; ++m) gained[m] = fma(share ? share[m] : 1.0f, light[m], gained[m]);
 }
 #endif
-
-/* number: of the pixel in the image; path: in the pixel. */
-static inline float rc_path_draw(const PathTables* t, uint number, uint path, uint level, uint what) {
-  return rc_unit_float(rc_hash(t->seed, number, (path << 8) + level, RC_PATH_DIMENSION + what));
-}
 
 /* The next two, and rc_stand, are not inlined: made into one function with rc_follow, PoCL 3.1 (LLVM 15) builds a
  * kernel that does not end. Why is not known.
@@ -151,19 +41,23 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
   if (!count) return;
   const uint hidden = rc_first_hidden(scene, &rays, count, RC_NONE, 0u);
   for (uint i = 0; i < count; ++i) {
-    if (hidden >> i & 1u) continue;
     const uint k = of[i];
+    float let[RC_SKELETON];
+    if (hidden >> i & 1u && !rc_let_by_plates(scene, t, &rays, i, let)) continue;
     float factor = cosine[i], more[1 + RC_FURTHER];
     const float4 normal = rc_lane_of(ends->normal, k), back = -rc_way_of(&paths->rays, k);
     rc_more_factors(t, ends->surface[k], side[i], normal, t->sun, back, factor, more);
     if (side[i] == 0u) factor *= rc_shape_factor(t->lobes, ends->surface[k], normal, t->sun, back);
     float light[RC_SKELETON];
     rc_carry_on(scene, t, ends->surface[k], side[i], factor, more, paths->carried[k], light);
-    for (uint m = 0; m < RC_SKELETON; ++m) paths->gained[k][m] = fma(t->source_share[m], light[m], paths->gained[k][m]);
+    float share[RC_SKELETON];
+    for (uint m = 0; m < RC_SKELETON; ++m) {
+      share[m] = t->source_share[m];
+      if (RC_PLATES && hidden >> i & 1u) share[m] *= let[m];
+      paths->gained[k][m] = fma(share[m], light[m], paths->gained[k][m]);
+    }
 #if RC_GLOSSY
     if (side[i] == 0u) {
-      float share[RC_SKELETON];
-      for (uint m = 0; m < RC_SKELETON; ++m) share[m] = t->source_share[m];
       rc_gain_mirrored(scene, t, ends->surface[k], normal, t->sun, back, cosine[i], share, paths->carried[k],
                        paths->gained[k]);
     }
@@ -252,8 +146,11 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
   uint on = 0;
   for (; live; live &= live - 1u) {
     const uint k = rc_lowest(live), surface = ends->surface[k], number = paths->number[k], path = paths->path[k];
-    const float near = t->scattering[surface].x;
-    const float gloss = RC_GLOSSY ? t->scattering[surface].z : 0.0f;
+    float near = t->scattering[surface].x, gloss = RC_GLOSSY ? t->scattering[surface].z : 0.0f;
+    if (rc_is_plate(t->lobes, surface)) { /* what goes straight on has done so already (rc_meets) */
+      gloss /= gloss + near * (1.0f - gloss);
+      near = 1.0f;
+    }
     const float draw = rc_path_draw(t, number, path, level, 0u);
     /* Roundings of a draw do not send a path through what is opaque. */
     const bool mirrored = draw < gloss, through = !mirrored && near < 1.0f && draw - gloss >= near * (1.0f - gloss);
@@ -291,12 +188,19 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
   return on;
 }
 
-/* Whether a path's ray meets a surface, which is then its end. */
-__attribute__((noinline)) static bool rc_meets(SceneArrays scene, Paths16* paths, uint k) {
-  const Hit hit = rc_trace_ray(scene, (float4)(paths->rays.x[k], paths->rays.y[k], paths->rays.z[k], 0.0f),
-                               rc_way_of(&paths->rays, k));
-  paths->ends.instance[k] = hit.instance, paths->ends.primitive[k] = hit.primitive;
-  return hit.instance != RC_NONE;
+/* Whether a path's ray meets a surface, which is then its end. Through plates it goes straight on, as often as they let
+ * light through; passed: whether it did. */
+__attribute__((noinline)) static bool rc_meets(SceneArrays scene, const PathTables* t, Paths16* paths, uint k,
+                                               uint level, bool* passed) {
+  *passed = false;
+  for (uint plate = 0;; ++plate) {
+    const Hit hit = rc_trace_ray(scene, (float4)(paths->rays.x[k], paths->rays.y[k], paths->rays.z[k], 0.0f),
+                                 rc_way_of(&paths->rays, k));
+    paths->ends.instance[k] = hit.instance, paths->ends.primitive[k] = hit.primitive;
+    if (hit.instance == RC_NONE) return false;
+    if (!rc_passes_plate(scene, t, paths, k, level, plate, hit)) return true;
+    *passed = true;
+  }
 }
 
 /* Follows the paths from where their first rays ended, t->levels surfaces after the first at most; then their gains are
@@ -315,7 +219,8 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
     if (level == t->levels) break;
     for (uint left = live; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
-      if (rc_meets(scene, paths, k)) continue;
+      bool passed;
+      if (rc_meets(scene, t, paths, k, level, &passed)) continue;
       live &= ~(1u << k);
       if (paths->rays.dz[k] > 0.0f)
         rc_gain_sky(t, k, paths);
@@ -325,8 +230,14 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
   }
   if (!live) return;
   Rays16 rays = paths->rays;
-  live &= ~rc_hidden_of(scene, &rays, live, RC_NONE, 0u);
-  for (; live; live &= live - 1u) rc_gain_sky(t, rc_lowest(live), paths);
+  const uint hidden = rc_hidden_of(scene, &rays, live, RC_NONE, 0u);
+  for (; live; live &= live - 1u) {
+    const uint k = rc_lowest(live);
+    float let[RC_SKELETON];
+    if (hidden >> k & 1u && !(rays.dz[k] > 0.0f && rc_let_by_plates(scene, t, &rays, k, let))) continue;
+    for (uint m = 0; RC_PLATES && hidden >> k & 1u && m < RC_SKELETON; ++m) paths->carried[k][m] *= let[m];
+    rc_gain_sky(t, k, paths);
+  }
 }
 
 #endif

@@ -11,6 +11,11 @@ static inline bool rc_is_leaf(global const Lobe* lobes, uint surface) {
   return RC_THROUGH && lobes[surface * RC_LOBE_STRIDE + RC_LOBE_BEHIND].shape == RC_SHAPE_leaf;
 }
 
+/* What such matter lets through goes straight on. */
+static inline bool rc_is_plate(global const Lobe* lobes, uint surface) {
+  return RC_PLATES && lobes[surface * RC_LOBE_STRIDE + RC_LOBE_BEHIND].shape == RC_SHAPE_plate;
+}
+
 #if RC_THROUGH
 /* Of a word of samples, bits of those whose surface lets light through; in: its slots of hits. */
 static inline uint rc_let_through(SceneArrays scene, global const Lobe* lobes, global const uint* in) {

@@ -64,7 +64,7 @@ __attribute__((noinline)) static void rc_stand(SceneArrays scene, global const L
     global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
     for (uint c = 0; c < 9u; ++c) corner[c][k] = at[16u * c];
     ends->surface[k] = rc_surface_of(scene, primitive);
-    leaves |= rc_is_leaf(lobes, ends->surface[k]) ? 1u << k : 0u;
+    leaves |= rc_is_leaf(lobes, ends->surface[k]) || rc_is_plate(lobes, ends->surface[k]) ? 1u << k : 0u;
   }
   Vector16 v[3];
   for (uint c = 0; c < 3u; ++c) {

@@ -115,6 +115,8 @@
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
+  READ(rc_float, lift) NEXT()         /* read where RC_PLATES, as the next */ \
+  READ(rc_ushort, sun) NEXT() \
   RC_SKYLINE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   RC_SKY_MAP_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_float4, sun_direction) NEXT() \
@@ -136,7 +138,6 @@
   READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE] */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
-  READ(rc_float, surface) NEXT() \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \

@@ -104,6 +104,9 @@
 #ifndef RC_THROUGH
 #define RC_THROUGH 0 /* 1: some material lets light through */
 #endif
+#ifndef RC_PLATES
+#define RC_PLATES 0 /* 1: through some material light goes straight on, which paths see; then RC_SHAPED is 1 too */
+#endif
 #ifndef RC_GLOSSY
 #define RC_GLOSSY 0 /* 1: some material is glossy; then RC_SHAPED is 1 too */
 #endif
@@ -137,7 +140,7 @@
 #define RC_COVERS 0 /* 1: what covers a pixel is a term of its own: there is truth per band */
 #endif
 #ifndef RC_FIRST_OPAQUE
-#define RC_FIRST_OPAQUE 0 /* 1: what is opaque behind leaves is asked for */
+#define RC_FIRST_OPAQUE 0 /* 1: what is opaque behind leaves and plates is asked for */
 #endif
 #ifndef RC_BOUNCES
 #define RC_BOUNCES 0 /* 1: light comes by surfaces after the first */

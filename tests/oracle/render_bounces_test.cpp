@@ -9,69 +9,16 @@
 
 #include "atmos_tables/synthetic.h"
 #include "host/plan/irradiance_map.h"
+#include "tests/support/lit_scenes.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
 
 namespace {
 
 using namespace raycube;
-constexpr double kPi = std::numbers::pi, kSunIrradiance = 1500, kSkyRadiance = 30;
-const std::vector<double> kCentres = {0.45, 0.55, 0.7, 0.86};
-
-/// Mean and standard error of a band over an image's pixels.
-struct Mean {
-  double value = 0, error = 0;
-};
-Mean mean_of(const test::Image& image, int band) {
-  double sum = 0, square = 0;
-  const int count = image.lines * image.pixels;
-  for (int line = 0; line < image.lines; ++line)
-    for (int pixel = 0; pixel < image.pixels; ++pixel) {
-      const double l = image.at(line, pixel, band);
-      sum += l, square += l * l;
-    }
-  const double mean = sum / count;
-  return {mean, std::sqrt(std::max(0.0, square / count - mean * mean) / count)};
-}
-
-/// Within 4.5 of its standard errors, and what the scene's own finite size and facets miss of the closed form.
-void check_mean(const Mean& found, double want, double unlike) {
-  CAPTURE(found.value);
-  CAPTURE(found.error);
-  CAPTURE(want);
-  CHECK(std::abs(found.value - want) < 4.5 * found.error + unlike * want);
-  CHECK(found.error < 0.01 * want);
-}
-
-/// A reflectance that bends: a + b sin(c l), on nodes of 5 nm.
-scene::Curve wavy(double a, double b, double c) {
-  scene::Curve out;
-  for (int i = 0; i <= 220; ++i) {
-    out.wavelength_um.push_back(0.3 + 0.005 * i);
-    out.value.push_back(a + b * std::sin(c * out.wavelength_um.back()));
-  }
-  return out;
-}
-double at(const scene::Curve& curve, double l) {
-  const double x = (l - 0.3) / 0.005;
-  const auto i = static_cast<std::size_t>(x);
-  const double f = x - static_cast<double>(i);
-  return (1 - f) * curve.value[i] + f * curve.value[i + 1];
-}
-/// Mean over a band as narrow as those of `narrow`: the curves are smooth over it.
-std::vector<scene::Band> narrow() { return test::gaussian_bands(kCentres, 0.004); }
-
-/// Renders under a sun at this place and an even sky, through air that does nothing.
-test::Image lit(scene::Simulation& simulation, int levels, double zenith_deg, double azimuth_deg, double sky_radiance,
-                const render::RenderOptions& options = {}) {
-  simulation.bounces = levels;
-  simulation.sun.zenith_deg = zenith_deg, simulation.sun.azimuth_deg = azimuth_deg;
-  atmos::UniformAir air;
-  air.solar_irradiance = [](double) { return kSunIrradiance; };
-  air.sky_radiance = [=](double) { return sky_radiance; };
-  air.sun_zenith_deg = zenith_deg, air.sun_azimuth_deg = azimuth_deg;
-  return test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.35, 1.0, 0.005)), options);
-}
+using test::at, test::check_mean, test::kCentres, test::kSunIrradiance, test::lit, test::mean_of, test::narrow,
+    test::wavy;
+constexpr double kPi = std::numbers::pi, kSkyRadiance = 30;
 
 /// Radiosity of two half planes that each see half of the other, first order in `a` and `b`: the sum over so many
 /// levels of what leaves the first.

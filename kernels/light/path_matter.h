@@ -1,0 +1,118 @@
+/* Paths of light, sixteen side by side, and what they ask of matter: by what it scatters, and its curves at the
+ * skeleton wavelengths. Nothing here knows which of them is which. */
+#ifndef RAYCUBE_KERNELS_LIGHT_PATH_MATTER_H
+#define RAYCUBE_KERNELS_LIGHT_PATH_MATTER_H
+
+#if RC_LAMPS
+#include "kernels/light/lamps.h"
+#endif
+#include "kernels/light/path_ends.h"
+#include "kernels/light/sky_map.h"
+#include "kernels/shared/product_key.h"
+
+#define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
+#if RC_LAMPS
+#define RC_GATHER_LAMPS() \
+  , { lamps, lamp_first, lamp_distribution }
+#else
+#define RC_GATHER_LAMPS()
+#endif
+#define RC_LAMP_DRAW 11u /* after them, and past the photons' and RC_LAMP_DIMENSION: six for each source of lamps */
+
+/* What paths ask of matter and light. */
+typedef struct PathTables {
+  global const Lobe* lobes;           /* [surface][RC_LOBE_STRIDE] */
+  global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
+  global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
+  global const float* source_share;   /* [sun, solar components][RC_SKELETON]: a source's light over that of all */
+  global const float* ground_around;  /* [RC_SKELETON]: pi times its radiance over the light of all */
+  SkyMap sky;
+  float4 sun;   /* direction to it */
+  float lowest; /* z of the scene, m */
+  uint sun_up, levels, seed;
+#if RC_LAMPS
+  LampTables lamps;
+#endif
+} PathTables;
+
+typedef struct Paths16 {
+  Rays16 rays;
+  float carried[16][RC_SKELETON];
+  float gained[16][RC_GLOW_WIDTH]; /* of sun and sky, then of each source of lamps */
+  float reach[16];                 /* bound of what is carried: product of the surfaces' largest R + T */
+  float scale[16];                 /* samples that the path stands for, times their weight */
+  uint pixel[16], part[16];        /* of the group; part of its samples */
+  uint number[16], path[16];       /* of the pixel in the image, of the path in the pixel: for draws */
+  uint count;
+  uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
+  Ends16 ends;
+} RC_LINE Paths16;
+
+#if RC_GLOSSY
+/* The gloss of a surface: materials mixed in it share one. Its shape is RC_SHAPE_none where it has none. */
+static inline Lobe rc_gloss_of(const PathTables* t, uint surface) {
+  Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + 1u];
+  for (uint i = 2; i < RC_LOBE_BEHIND; ++i)
+    if (!(lobe.share > 0.0f)) lobe = t->lobes[surface * RC_LOBE_STRIDE + i];
+  return lobe;
+}
+
+static inline bool rc_glossy(const PathTables* t, uint surface) { return t->scattering[surface].z > 0.0f; }
+
+/* How many times Lambert's radiance goes from `in` to `out` by a gloss. */
+static inline float rc_gloss_factor(const PathTables* t, Lobe gloss, float4 normal, float4 in, float4 out) {
+  return rc_shape_eval(gloss.shape, 3.14159265f, rc_parameters(t->lobes, gloss), rc_angles(normal, in, out));
+}
+#endif
+
+/* Factors of the further lobes by which a side of a surface scatters, [RC_FURTHER]: `scale` times how many times
+ * Lambert's radiance goes from `in` to `out`. 0 where there are none. */
+static inline void rc_more_factors(const PathTables* t, uint surface, uint side, float4 normal, float4 in, float4 out,
+                                   float scale, float* more) {
+#if RC_FURTHER
+  for (uint number = 0; number < RC_FURTHER; ++number) {
+    const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + RC_LOBES + number];
+    more[number] = 0.0f;
+    const uint role = side == RC_GLOSS_SIDE ? RC_ROLE_gloss : RC_ROLE_front;
+    if (side != RC_FAR_SIDE && lobe.share > 0.0f && (uint)rc_shape_role(lobe.shape) == role)
+      more[number] =
+          scale * rc_shape_eval(lobe.shape, 3.14159265f, rc_parameters(t->lobes, lobe), rc_angles(normal, in, out));
+  }
+#endif
+}
+
+/* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried.
+ * more: factors of further lobes, as `factor` is the first one's; read where there are any. */
+static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surface, uint side, float factor,
+                               const float* more, const float* carried, float* out) {
+  global const Surface* s = rc_surface(scene, surface);
+  for (uint m = 0; m < RC_SKELETON; m += 16u) {
+    float16 curve = 0.0f;
+    for (uint i = 0; i < 4u; ++i) {
+      if (s->material[i] == 0u || s->fraction[i] == 0.0f) continue;
+      const uint id = rc_curve_id(rc_curve_of_side(side), s->material[i] - 1u, RC_MATERIALS);
+      curve =
+          fma((float16)(s->fraction[i]), vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
+    }
+#if RC_FURTHER
+    curve *= factor;
+    for (uint i = 0; i < 4u * RC_FURTHER; ++i) {
+      const uint material = s->material[i % 4u], number = i / 4u;
+      if (material == 0u || more[number] == 0.0f) continue;
+      const uint id = rc_curve_id(RC_CURVE_FURTHER + number, material - 1u, RC_MATERIALS);
+      curve = fma((float16)(more[number] * s->fraction[i % 4u]),
+                  vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
+    }
+    vstore16(curve * vload16(0, carried + m), 0, out + m);
+#else
+    vstore16(factor * curve * vload16(0, carried + m), 0, out + m);
+#endif
+  }
+}
+
+/* number: of the pixel in the image; path: in the pixel. */
+static inline float rc_path_draw(const PathTables* t, uint number, uint path, uint level, uint what) {
+  return rc_unit_float(rc_hash(t->seed, number, (path << 8) + level, RC_PATH_DIMENSION + what));
+}
+
+#endif
