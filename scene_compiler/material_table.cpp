@@ -413,6 +413,7 @@ CoordinateImages MaterialTable::images(std::uint32_t surface) const {
 }
 
 const Relief* MaterialTable::relief(std::uint32_t surface) const {
+  if (reliefs_.empty()) return nullptr;
   const auto found = reliefs_.find(surfaces_[surface].material[0] - 1);
   return found != reliefs_.end() ? &found->second : nullptr;
 }

@@ -13,6 +13,7 @@
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
+#include "scene_compiler/linear_nodes.h"
 
 namespace raycube::scene {
 
@@ -20,6 +21,8 @@ namespace {
 
 constexpr double kLargestFactor = 1000, kShortestNamed_um = 0.05, kLongestNamed_um = 1000;
 constexpr std::size_t kMostLinesReported = 20, kMostValues = 1'000'000;
+/// Of what lies between the wavelengths that are kept, rms over that of all factors: what is sought, what is taken.
+constexpr double kSought = 0.002, kTaken = 0.02;
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr const char* kAngles[3] = {"light_zenith_deg", "view_zenith_deg", "relative_azimuth_deg"};
 
@@ -75,10 +78,7 @@ std::optional<FactorColumns> factor_columns(const CsvFile& csv, base::Problems& 
   const auto same = [](const auto& a, const auto& b) { return !(a.wavelength_um < b.wavelength_um); };
   if (out.values.empty())
     problems.add(header, "no column of factors", csv.columns_text(),
-                 "name one 'factor', or up to eight by their wavelengths: 550nm, 1.6um");
-  else if (out.values.size() > RC_MOST_NODES)
-    problems.add(header, "more than eight wavelengths", std::to_string(out.values.size()),
-                 "keep those between which the others lie about linearly");
+                 "name one 'factor', or several by their wavelengths: 550nm, 1.6um");
   else if (std::adjacent_find(out.values.begin(), out.values.end(), same) != out.values.end())
     problems.add(header, "a wavelength stands in two columns", csv.columns_text(), "remove one");
   else if (out.values.size() > 1 && out.values.front().wavelength_um == 0)
@@ -169,12 +169,19 @@ class FactorGrid {
     return out;
   }
 
+  /// Factors of a column, in the order of the cells.
+  std::vector<double> values(std::size_t column) const {
+    std::vector<double> out;
+    for (const auto& [at, cell] : cells_) out.push_back(cell.sum[column] / cell.count);
+    return out;
+  }
+
   ShapeTable table(std::size_t column) const {
     auto out = std::make_shared<std::vector<float>>();
     for (const auto& angle : angle_) out->push_back(static_cast<float>(angle.size()));
     for (const auto& angle : angle_)
       for (const Angle a : angle) out->push_back(static_cast<float>(degrees_of(a) * kRadians));
-    for (const auto& [at, cell] : cells_) out->push_back(static_cast<float>(cell.sum[column] / cell.count));
+    for (const double value : values(column)) out->push_back(static_cast<float>(value));
     return out;
   }
 
@@ -203,6 +210,26 @@ class FactorGrid {
   std::map<std::size_t, Cell> cells_;
 };
 
+/// Columns between which the others lie about linearly; none after reporting.
+std::vector<std::size_t> kept_columns(const CsvFile& csv, const FactorColumns& columns, const FactorGrid& grid,
+                                      base::Problems& problems) {
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < columns.values.size(); ++i) all.push_back(i);
+  if (all.size() <= RC_MOST_NODES) return all;
+  std::vector<double> um;
+  std::vector<std::vector<double>> factors;
+  for (const std::size_t i : all) um.push_back(columns.values[i].wavelength_um), factors.push_back(grid.values(i));
+  const LinearNodes nodes = linear_nodes(um, factors, RC_MOST_NODES, kSought);
+  if (nodes.error <= kTaken) return nodes.row;
+  problems.add(
+      {csv.file, csv.header_line, 0, ""}, "eight wavelengths do not hold the factors of the others",
+      fmt::format("{} wavelengths; linear between the best eight they are {:.2g} % off (rms), {:g} % are taken",
+                  all.size(), 100 * nodes.error, 100 * kTaken),
+      "keep the wavelengths that your bands see, or divide the factors by the material's curve, so that it "
+      "holds what changes fast");
+  return {};
+}
+
 }  // namespace
 
 std::optional<MeasuredTables> read_measured(const std::string& file, const base::Where& asked_by,
@@ -226,10 +253,11 @@ std::optional<MeasuredTables> read_measured(const std::string& file, const base:
     return std::nullopt;
   }
   MeasuredTables out;
-  for (std::size_t i = 0; i < columns->values.size(); ++i) {
+  for (const std::size_t i : kept_columns(*csv, *columns, grid, problems)) {
     out.table.push_back(grid.table(i));
     if (columns->values[i].wavelength_um > 0) out.wavelength_um.push_back(columns->values[i].wavelength_um);
   }
+  if (out.table.empty()) return std::nullopt;
   return out;
 }
 

@@ -19,7 +19,8 @@ struct MeasuredTables {
 };
 
 /// Columns light_zenith_deg, view_zenith_deg (0 .. below 90), relative_azimuth_deg (0: viewer on the light's side; left
-/// and right are averaged), and factors: `factor`, or up to eight named by their wavelengths ("550nm", "1.6um"). Every
+/// and right are averaged), and factors: `factor`, or several named by their wavelengths ("550nm", "1.6um"), of which
+/// the eight are kept between which the others lie most nearly on lines, where these hold them to 2 %. Every
 /// combination of the angles once; at a zenith angle of 0 any azimuth will do. Null after reporting every problem.
 std::optional<MeasuredTables> read_measured(const std::string& file, const base::Where& asked_by,
                                             base::Problems& problems);

@@ -214,6 +214,38 @@ TEST_CASE("S21 measured: left and right are averaged, wavelengths are columns, u
   CHECK(pi_f(infrared, 30, 20, 180) == doctest::Approx(0.4).epsilon(1e-6));
 }
 
+TEST_CASE("S21 measured: of many wavelengths those are kept between which the others lie on lines") {
+  // Linear between 400, 520, 700, 730 and 1200 nm, differently at each place; then what no eight wavelengths hold.
+  const std::vector<int> ends_nm = {400, 520, 700, 730, 1200};
+  const auto line = [&](int nm, int place) {
+    std::size_t i = 1;
+    while (ends_nm[i] < nm) ++i;
+    const double f = double(nm - ends_nm[i - 1]) / (ends_nm[i] - ends_nm[i - 1]);
+    const auto at = [&](std::size_t end) { return 0.3 + 0.2 * std::sin(3.0 * double(end) + place); };
+    return (1 - f) * at(i - 1) + f * at(i);
+  };
+  const auto text = [](auto&& factor) {
+    std::string out = "light_zenith_deg,view_zenith_deg,relative_azimuth_deg";
+    for (int nm = 400; nm <= 1200; nm += 10) out += "," + std::to_string(nm) + "nm";
+    for (int place = 0; place < 6; ++place) {
+      out += "\n30," + std::to_string(20 + 10 * (place % 3)) + "," + std::to_string(90 * (place / 3));
+      for (int nm = 400; nm <= 1200; nm += 10) out += "," + std::to_string(factor(nm, place));
+    }
+    return out + "\n";
+  };
+  const auto tables = read_factors(text(line));
+  REQUIRE(tables.has_value());
+  REQUIRE(tables->wavelength_um.size() == ends_nm.size());
+  for (std::size_t i = 0; i < ends_nm.size(); ++i) {
+    CHECK(tables->wavelength_um[i] == doctest::Approx(1e-3 * ends_nm[i]));
+    const scene::Shape shape{RC_SHAPE_measured, {}, tables->table[i]};
+    CHECK(pi_f(shape, 30, 30, 90) == doctest::Approx(line(ends_nm[i], 4)).epsilon(1e-5));  // text has six digits
+  }
+  std::string said;
+  CHECK_FALSE(read_factors(text([](int nm, int place) { return nm / 10 % 2 == place % 2 ? 0.2 : 0.4; }), &said));
+  CHECK(said.find("81 wavelengths") != std::string::npos);
+}
+
 TEST_CASE("S21 measured: what a file lacks or has twice is told with its line") {
   const std::string header = "light_zenith_deg,view_zenith_deg,relative_azimuth_deg,factor\n";
   const auto says = [](const std::string& text, const std::vector<std::string>& parts) {
