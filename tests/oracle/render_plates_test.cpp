@@ -62,12 +62,16 @@ TEST_CASE("S23 plates: the sun comes, and is seen, through each of a pile of the
 }
 
 TEST_CASE("S23 plates: between ground and a plate light goes to and fro, and the plate sends its own") {
-  Glazed scene(1, 0.2);
-  const auto image = scene.image(12, kSkyRadiance);
-  for (std::size_t b = 0; b < kCentres.size(); ++b) {
-    const double t = at(scene.let, kCentres[b]), rho = at(scene.ground, kCentres[b]), r = 0.2;
-    const double down = sunlight() + kPi * kSkyRadiance;
-    check_mean(mean_of(image, static_cast<int>(b)), down / kPi * (r + t * t * rho / (1 - r * rho)), 4e-3);
+  // A faint sky beside the sun, then a sun beside a bright sky: the latter comes to the ground along paths alone.
+  for (const double sky_radiance : {kSkyRadiance, 100 * kSkyRadiance}) {
+    Glazed scene(1, 0.2);
+    const auto image = scene.image(12, sky_radiance);
+    for (std::size_t b = 0; b < kCentres.size(); ++b) {
+      CAPTURE(sky_radiance);
+      const double t = at(scene.let, kCentres[b]), rho = at(scene.ground, kCentres[b]), r = 0.2;
+      const double down = sunlight() + kPi * sky_radiance;
+      check_mean(mean_of(image, static_cast<int>(b)), down / kPi * (r + t * t * rho / (1 - r * rho)), 4e-3);
+    }
   }
 }
 
