@@ -212,4 +212,9 @@ with tempfile.TemporaryDirectory() as folder:
     file.write_text(text.replace("reflectance = 0.4", "reflectance = 0.9"))
     says = ["rpv", "more light would leave than comes", "80 degrees off the normal", "reflectance 0.9"]
     program.refused("render", file, "-o", folder + "/out", status=2, says=says)
+
+# Light goes straight on through the tilted plane, which mirrors too.
+pane = '[[material]]\nname = "pane"\nreflectance = 0.05\ntransmittance = 0.8\ntransmission = "plate"\n'
+glazed = SCENE.format(shape=pane + "gloss = { roughness = 0.3, f0 = 0.05 }", pulse=PULSE_AND_RECEIVER)
+holds("plate", glazed.replace('material = "shaped"\nposition_m = [4.0', 'material = "pane"\nposition_m = [4.0', 1))
 print(f"shapes: {program.checks} checks")
