@@ -10,6 +10,7 @@
 
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/raster.h"
+#include "scene_compiler/texture.h"
 
 namespace raycube::scene {
 namespace {
@@ -40,31 +41,10 @@ double frequency(int i, int n) {
   return 2 * std::numbers::pi * (2 * i < n ? i : i - n) / n;
 }
 
-/// Whether every texel has a value; reported.
-bool is_whole(const Raster& image, Problems& problems) {
-  for (const auto& valid : image.valid) {
-    const auto hole = std::find(valid.begin(), valid.end(), false);
-    if (hole == valid.end()) continue;
-    const auto at = hole - valid.begin();
-    problems.add({image.file, 0, 0, ""}, "texel without a value",
-                 "column " + std::to_string(at % image.columns) + ", row " + std::to_string(at / image.columns),
-                 "fill it (gdal_fillnodata.py)");
-    return false;
-  }
-  return true;
-}
-
-std::optional<Raster> read_bands(const Record& record, int bands, Problems& problems) {
-  auto image = read_raster(record.text("image"), static_cast<int>(record.integer("band")), bands, NoData::mark,
-                           record.place("image"), problems);
-  if (!image || !is_whole(*image, problems)) return std::nullopt;
-  return image;
-}
-
 double texel_of(const Record& record) { return record.given("texel_m") ? record.number("texel_m") : 0; }
 
 std::optional<Relief> read_bump(const Record& record, Problems& problems) {
-  const auto image = read_bands(record, 1, problems);
+  const auto image = read_image(record, 1, problems);
   if (!image) return std::nullopt;
   const std::vector<double>& value = image->bands[0];
   const auto [low, high] = std::minmax_element(value.begin(), value.end());
@@ -87,7 +67,7 @@ double one_of(const Raster& image) {
 }
 
 std::optional<Relief> read_normals(const Record& record, Problems& problems) {
-  const auto image = read_bands(record, 3, problems);
+  const auto image = read_image(record, 3, problems);
   if (!image) return std::nullopt;
   const double one = one_of(*image), down = record.text("green") == "down" ? -1 : 1;
   std::vector<double> to_right, up;

@@ -78,28 +78,6 @@ double srgb(double linear) {
   return value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
 }
 
-/// Bands of the image that a texture or a mask names, whole; nullopt after reporting.
-std::optional<Raster> read_image(const Record& record, int bands, Problems& problems) {
-  auto image = read_raster(record.text("image"), static_cast<int>(record.integer("band")), bands, NoData::mark,
-                           record.place("image"), problems);
-  if (!image) return std::nullopt;
-  if (image->palette) {
-    problems.add({image->file, 0, 0, ""}, "the picture's values are numbers of a palette's colours", "a palette",
-                 "write its colours: gdal_translate -expand rgba " + image->file + " NEW.png");
-    return std::nullopt;
-  }
-  for (const std::vector<bool>& valid : image->valid) {
-    const auto hole = std::find(valid.begin(), valid.end(), false);
-    if (hole == valid.end()) continue;
-    const auto at = hole - valid.begin();
-    problems.add({image->file, 0, 0, ""}, "texel without a value",
-                 "column " + std::to_string(at % image->columns) + ", row " + std::to_string(at / image->columns),
-                 "fill it (gdal_fillnodata.py)");
-    return std::nullopt;
-  }
-  return image;
-}
-
 /// Mean of every member in each of the texture's bands, [band][member]; none after reporting.
 std::vector<std::vector<double>> band_means(const Record& texture, const std::vector<Material>& members,
                                             Problems& problems) {
@@ -168,6 +146,27 @@ bool asks_for_one_choice(const Record& texture, Problems& problems) {
 }
 
 }  // namespace
+
+std::optional<Raster> read_image(const Record& record, int bands, Problems& problems) {
+  auto image = read_raster(record.text("image"), static_cast<int>(record.integer("band")), bands, NoData::mark,
+                           record.place("image"), problems);
+  if (!image) return std::nullopt;
+  if (image->palette) {
+    problems.add({image->file, 0, 0, ""}, "the picture's values are numbers of a palette's colours", "a palette",
+                 "write its colours: gdal_translate -expand rgba " + image->file + " NEW.png");
+    return std::nullopt;
+  }
+  for (const std::vector<bool>& valid : image->valid) {
+    const auto hole = std::find(valid.begin(), valid.end(), false);
+    if (hole == valid.end()) continue;
+    const auto at = hole - valid.begin();
+    problems.add({image->file, 0, 0, ""}, "texel without a value",
+                 "column " + std::to_string(at % image->columns) + ", row " + std::to_string(at / image->columns),
+                 "fill it (gdal_fillnodata.py)");
+    return std::nullopt;
+  }
+  return image;
+}
 
 Texture::Texture(int columns, int rows, double texel_m, std::vector<std::uint16_t> numbers)
     : columns_(columns), rows_(rows), texel_m_(texel_m), numbers_(std::move(numbers)) {}

@@ -12,6 +12,10 @@
 
 namespace raycube::scene {
 
+struct Raster;
+/// Bands of the image that a record of `image` and `band` names, whole; nullopt after reporting.
+std::optional<Raster> read_image(const Record& record, int bands, base::Problems& problems);
+
 /// A number for each texel of an image that repeats without end: of a texture the member of a family, from 0, of a mask
 /// 1 where there is something.
 class Texture {

@@ -154,6 +154,16 @@ def envi(folder, name):
     return header, data.reshape(bands, lines, samples).transpose(1, 2, 0)
 
 
+def float_image(path, values):
+    """[row][column] or [row][column][band], as ENVI."""
+    values = values.reshape(values.shape[0], values.shape[1], -1)
+    values.astype("<f4").tofile(path)
+    pathlib.Path(str(path) + ".hdr").write_text(
+        f"ENVI\nsamples = {values.shape[1]}\nlines = {values.shape[0]}\nbands = {values.shape[2]}\nheader offset = 0\n"
+        "file type = ENVI Standard\ndata type = 4\ninterleave = bip\nbyte order = 0\n"
+    )
+
+
 def record(folder):
     return json.loads((pathlib.Path(folder) / "run.json").read_text())
 

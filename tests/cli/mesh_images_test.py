@@ -12,7 +12,7 @@ import zlib
 import matplotlib.image
 import numpy
 
-from driver import Program, envi
+from driver import Program, envi, float_image
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -87,16 +87,6 @@ def texels(image, at):
     inside = numpy.floor(place).astype(int)
     clear = (numpy.minimum(place - inside, 1 - (place - inside)) > 1e-3).all(-1)
     return image[rows - 1 - inside[..., 1] % rows, inside[..., 0] % columns], clear
-
-
-def float_image(path, values):
-    """[row][column] or [row][column][band], as ENVI."""
-    values = values.reshape(values.shape[0], values.shape[1], -1)
-    values.astype("<f4").tofile(path)
-    pathlib.Path(str(path) + ".hdr").write_text(
-        f"ENVI\nsamples = {values.shape[1]}\nlines = {values.shape[0]}\nbands = {values.shape[2]}\nheader offset = 0\n"
-        "file type = ENVI Standard\ndata type = 4\ninterleave = bip\nbyte order = 0\n"
-    )
 
 
 def write_family(folder, spectra, nodes_nm):

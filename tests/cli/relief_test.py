@@ -7,7 +7,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi
+from driver import Program, envi, float_image
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -36,16 +36,6 @@ def head(material, things):
 PLANE = f'[[plane]]\nmaterial = "rough"\nsize_m = [{SIDE_M}, {SIDE_M}]\n'
 FLOOR = '[[plane]]\nmaterial = "grey"\nsize_m = [400.0, 400.0]\nposition_m = [0.0, 0.0, -5.0]\n'
 CARD = '[[mesh]]\nname = "card"\nfile = "card.obj"\nmaterial = "rough"\n[[instance]]\nmesh = "card"\n'
-
-
-def float_image(path, values):
-    """[row][column] or [row][column][band], as ENVI."""
-    values = values.reshape(values.shape[0], values.shape[1], -1)
-    values.astype("<f4").tofile(path)
-    pathlib.Path(str(path) + ".hdr").write_text(
-        f"ENVI\nsamples = {values.shape[1]}\nlines = {values.shape[0]}\nbands = {values.shape[2]}\nheader offset = 0\n"
-        "file type = ENVI Standard\ndata type = 4\ninterleave = bip\nbyte order = 0\n"
-    )
 
 
 def rendered(folder, text):
@@ -197,6 +187,11 @@ def meshes_by_coordinates(folder):
 def refuses(folder):
     float_image(folder / "flat.img", numpy.ones((4, 4)))
     float_image(folder / "inwards.img", numpy.stack([numpy.zeros((4, 4))] * 2 + [-numpy.ones((4, 4))], -1))
+    # A picture of two colours, numbers of a palette.
+    (folder / "palette.gif").write_bytes(
+        b"GIF89a\x01\x00\x01\x00\x80\x00\x00\x00\x00\x00\xff\xff\xff,\x00\x00\x00\x00\x01\x00\x01\x00\x00"
+        b"\x02\x02D\x01\x00;"
+    )
     bump = f'bump = {{ image = "bump.img", height_m = [0.0, 0.1], texel_m = {TEXEL_M} }}\n'
     loose = 'bump = { image = "bump.img", height_m = [0.0, 0.1] }\n'
     checker = '[[plane]]\nsize_m = [4.0, 4.0]\nchecker = { cell_m = 1.0, materials = ["grey", "rough"] }\n'
@@ -204,6 +199,7 @@ def refuses(folder):
         (bump + 'normals = { image = "normals.img" }\n', PLANE, ["one relief", "bump and normals"]),
         (bump.replace("height_m = [0.0, 0.1], ", ""), PLANE, ["height_m"]),
         (bump.replace("bump.img", "flat.img"), PLANE, ["one value everywhere"]),
+        (bump.replace("bump.img", "palette.gif"), PLANE, ["palette"]),
         (bump.replace("bump.img", "none.img"), PLANE, ["none.img"]),
         (f'normals = {{ image = "inwards.img", texel_m = {TEXEL_M} }}\n', PLANE, ["does not point out"]),
         (loose, PLANE, ["texel_m", "rough"]),
