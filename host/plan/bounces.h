@@ -19,17 +19,18 @@ std::vector<shared::rc_float4> surface_scattering(const scene::CompiledScene& sc
 inline constexpr double kMostAmplified = 4;  ///< that the skeleton may make of noise before it is told
 
 /// Fills plan.bounces, and plan.sky.rays by `paths` where no rays go to the sky, for `levels` surfaces after the first;
-/// nothing where that is 0, or where neither sun nor sky are sources. The plan has its grid, its bands and its sources.
+/// nothing where that is 0, or where there are no sources. The plan has its grid, its bands and its sources.
 ///
 /// Whatever the geometry, light of one source scattered n times is S(l) F(c_1(l), ..) with F a power series in the
 /// curves whose coefficients know no wavelength; so it lies close to a space of few dimensions over l, and so does that
-/// of all sources over their light together, each by its share of that, at the middle of the heights. Training rows are
-/// products of 2 to levels + 1 of the scene's curves, 8 at most (with R + T of leaves), and of one share, all of them
-/// or 600 drawn; wavelengths are picked one after the other where what is left of the rows is largest (column-pivoted
-/// QR by modified Gram-Schmidt: Golub & Van Loan, Matrix Computations, 4th ed., 5.4.2), and F(l) = sum_m basis[m][l]
-/// F(l_m) by least squares over the rows. As many as it takes until products that the fit has not seen err by at most
-/// `share` of what one of their curves shows by itself, rms over the products that it is in, of the worst curve and
-/// band; 128 at most, and all of a shorter grid.
+/// of all sources over their light together, each by its share of that, at the middle of the heights. So is what matter
+/// sends by itself beyond the surroundings, scattered once and more. Training rows are products of 2 (1) to levels + 1
+/// of the scene's curves, 8 at most (with R + T of leaves), and of one share, all of them or 600 drawn; wavelengths are
+/// picked one after the other where what is left of the rows is largest (column-pivoted QR by modified Gram-Schmidt:
+/// Golub & Van Loan, Matrix Computations, 4th ed., 5.4.2), and F(l) = sum_m basis[m][l] F(l_m) by least squares over
+/// the rows. As many as it takes until products that the fit has not seen err by at most `share` of what one of their
+/// curves shows by itself, rms over the products that it is in, of the worst curve and band; 128 at most, and all of a
+/// shorter grid.
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share);
 /// After it: notices of what cameras do not see through plates.
 void tell_of_plates(Plan& plan, const scene::Instrument& instrument);

@@ -461,6 +461,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (!thermal.on) air.leave_out_emission();
   plan.notices = std::move(thermal.notices);
   plan.notices.insert(plan.notices.end(), unseen.begin(), unseen.end());
+  const std::string without_paths = std::move(thermal.without_paths);
   const Light light(setting, std::move(thermal));
   const Levels levels = weigh_levels(plan, setting, light);
   const Chosen chosen = choose_within_budget(levels.errors, simulation);
@@ -490,6 +491,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const bool follows = simulation.bounces_given || instrument.auto_bounces || plan.matter.plates;
   const int bounces = follows ? simulation.bounces : 0;
   plan_bounces(plan, simulation.scene, bounces, simulation.sky_directions, setting.share);
+  if (!plan.bounces.any() && !without_paths.empty()) plan.notices.push_back(without_paths);
   tell_of_plates(plan, instrument);
   return plan;
 }

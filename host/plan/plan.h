@@ -170,11 +170,14 @@ struct Bounces {
   double error = 0;
   double strength = 0;       ///< of those products, rms: what there is then of light between surfaces
   double amplified = 1;      ///< largest root of a sum of squares over the skeleton, of any wavelength
-  std::vector<float> curve;  ///< [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h
-  /// Light of the sun and its sky together, [h * view.count + v][grid]: the sun's by the cosine of its zenith angle
-  /// (0.05 at least) and the first component's, what level ground gets of both. A path's gain is told per unit of it.
+  /// [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h; with thermal light then [material]:
+  /// PathHeat::excess.
+  std::vector<float> curve;
+  /// Light of all sources but lamps together, [h * view.count + v][grid]: the sun's by the cosine of its zenith angle
+  /// (0.05 at least) and the first component's of each sky, what level ground gets of them, and hottest_light. A path's
+  /// gain is told per unit of it.
   std::vector<std::vector<double>> together;
-  std::vector<float> source_share;  ///< [sun, the sun's sky's components][skeleton, padded]: of that
+  std::vector<float> source_share;  ///< [sun, components, the surroundings' too][skeleton, padded]: of that
   /// Level ground around the scene, of its mean reflectance, as paths meet it that leave the scene downwards: pi times
   /// its radiance per unit of the light together, [skeleton, padded]. 0 where the plan has no light between ground and
   /// air, because none is asked for or it is too faint beside thermal light: then nothing is known of that ground.
@@ -280,7 +283,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                const atmos::RenderTable& table, const ViewBounds& view, int threads = 0);
 
 /// Bakes one term row in double: E[channel][band] for a product key (kernels/shared/product_key.h; 0 = path) or
-/// kEnvironmentKey | node or kSkeletonKey | wavelength (of whose channels sun and solar sky are filled), stored as
+/// kEnvironmentKey | node or kSkeletonKey | wavelength (one channel for each node of height and view), stored as
 /// float, columns() padded with zeros to a multiple of 16: result[channel * padded + column]. Emission goes with
 /// the key of one reflectance. Where there is truth per band (host/plan/band_truth.h) a material's row has one channel
 /// more, its coverage. Error(input) when a curve does not cover the grid, which

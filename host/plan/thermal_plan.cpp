@@ -57,14 +57,9 @@ double area_scale(const shared::Instance& placed) {
   return std::pow(std::abs(m.determinant()), 2.0 / 3.0);
 }
 
-/// Emission and the light of the surroundings go by 1 - reflectance, whatever the direction, Lambert's law; of plates
-/// what they let through would be missing.
+/// Emission and the light of the surroundings go by 1 - reflectance, whatever the direction, Lambert's law.
 void check_shape(const scene::Material& material, const std::string& file, const std::string& why,
                  base::Problems& problems) {
-  if (scene::is_plate(material))
-    problems.add({file, 0, 0, "material '" + material.name + "'"},
-                 "cameras see no thermal light through plates, and " + why, "transmission = \"plate\"",
-                 "remove its transmittance, or the thermal bands");
   if (material.front.number == RC_SHAPE_lambert && material.gloss.number == RC_SHAPE_none) return;
   problems.add({file, 0, 0, "material '" + material.name + "'"},
                "cameras see thermal light of Lambertian surfaces alone, and " + why, "",

@@ -83,11 +83,11 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
         use.on ? fmt::format(" ({} makes {:.2g} times the other light of band {})", use.from, use.share, use.band + 1)
                : fmt::format(" (bands reach beyond {:g} um)", base::kHeatFrom_um)));
   if (use.on && use.share > 1 && hottest_K > coolest_K)
-    use.notices.push_back(
-        fmt::format("instrument '{}': light of hot surfaces that falls on other surfaces is not rendered "
-                    "(the hottest has "
-                    "{:g} K); `raycube check` measures what that leaves out",
-                    instrument, hottest_K));
+    use.without_paths = fmt::format(
+        "instrument '{}': light of hot surfaces that falls on other surfaces is not rendered "
+        "(the hottest has {:g} K); set bounces to \"auto\" or above 0, or see by `raycube check` what "
+        "that leaves out",
+        instrument, hottest_K);
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ struct ThermalUse {
   std::size_t band = 0;  ///< of that share, from 0
   std::string from;      ///< who emits it: "material 'lava' at 1200 K" or "the air of the table"
   std::vector<std::string> notices;
+  std::string without_paths;  ///< a notice more, where light does not go between surfaces; empty: none
 };
 
 /// `ThermalUse::demanded_by` of bands up to bands_to_um under a table with or without thermal rows that ends at

@@ -8,6 +8,8 @@
 
 #include "host/plan/baked_rows.h"
 #include "host/plan/bounces.h"
+#include "host/planner/open_share.h"
+#include "host/planner/trial_pixels.h"
 
 namespace raycube::planner {
 
@@ -16,16 +18,46 @@ namespace {
 constexpr double kMissedShare = 0.1;  ///< of the tolerance
 constexpr double kNothing = 1e-9;
 constexpr double kLowest = 0.1;  ///< sine of the sun's elevation below which no surface is thought of as facing it
+constexpr std::uint64_t kLook = 0x1f83d9ab;  ///< added to the seed: pixels and draws of its own
+constexpr int kLookedRuns = 64, kLookRays = 128, kLookedAtOnce = 512;  ///< of 8 pixels each; pixels traced at once
+
+/// What paths change on some pixels, by the same samples and rays with them and without, from above: two draws of the
+/// rays, so that their noise adds nothing.
+double changed_by_paths(render::Renderer& renderer, const scene::Simulation& simulation,
+                        const scene::Instrument& instrument, const plan::Plan& plan) {
+  const scene::Instrument few = first_launched(simulation, instrument, plan);
+  plan::Plan with = plan;
+  with.sky.rays = std::min(plan.sky.rays, kLookRays);
+  plan::Plan without = with;
+  without.bounces.levels = 0;
+  const std::uint64_t seed = simulation.seed + kLook;
+  const auto tiles = trial_tiles(few, seed, kLookedRuns);
+  TrialImage image;
+  image.bands = plan.bands.size();
+  for (const auto& tile : tiles)
+    image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
+  const auto render = [&](const plan::Plan& by) {
+    std::vector<TrialImage> out(2, image);
+    auto draws = renderer.draws_of(few, by, simulation.sun, {{seed, 0}, {seed, 1}}, joined(tiles, kLookedAtOnce));
+    for (std::size_t d = 0; d < out.size(); ++d) out[d].radiance = std::move(draws[d]);
+    return out;
+  };
+  const auto all = render(with), once = render(without);
+  return common_error(once[0], once[1], all[0], all[1], judged_means(all[0])).bound;
+}
 
 }  // namespace
 
-bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan) {
+bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulation,
+                    const scene::Instrument& instrument, plan::Plan& plan) {
   const plan::Bounces& bounces = plan.bounces;
   const plan::SkyRays::Met& met = plan.sky.met;
   if (simulation.bounces_given || !bounces.any() || !met.known) return false;
   const double most = bounces.brightest(), each = most * met.on;  // each: of light at a surface, what the next one gets
   const double facing = plan.sun_up ? std::max(kLowest, static_cast<double>(plan.sun_direction[2])) : 1;
-  const double once_missed = std::min(1.0, met.rms * most / (facing * std::max(1 - each, 1e-3)));
+  // Of thermal light the surroundings count most already: what is left no bound is near to, so it is looked at.
+  const double once_missed = plan.thermal.on ? std::min(1.0, changed_by_paths(renderer, simulation, instrument, plan))
+                                             : std::min(1.0, met.rms * most / (facing * std::max(1 - each, 1e-3)));
   const double share = kMissedShare * plan.tolerance, missed = once_missed * std::pow(each, bounces.levels);
   // A gloss shows of other surfaces what the look does not weigh: beside dark matter it is most of what is seen. So may
   // be what a lamp makes bright, and all that lies behind plates.

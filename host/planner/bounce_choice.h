@@ -2,6 +2,7 @@
 #pragma once
 
 #include "host/plan/plan.h"
+#include "host/render/renderer.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::planner {
@@ -15,6 +16,9 @@ namespace raycube::planner {
 /// surfaces misses (q on)^N of that. What is met is taken to be of that matter and to face the sun, so both are rather
 /// too large than too small (docs/light.md says by how much); where surfaces are shaped their bright side adds to what
 /// is open. Nothing is dropped where matter is glossy.
-bool choose_bounces(const scene::Simulation& simulation, plan::Plan& plan);
+///
+/// Of plans with thermal light it is measured: 512 pixels are rendered with paths and without, twice.
+bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulation,
+                    const scene::Instrument& instrument, plan::Plan& plan);
 
 }  // namespace raycube::planner

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/base/planck.h"
 #include "host/reference/ground_around.h"
 #include "host/reference/lamp_light.h"
 #include "host/reference/plan_nodes.h"
@@ -46,7 +47,8 @@ struct BouncedLight::Walk {
   std::uint64_t seed;
   std::uint32_t pixel, path, drawn = 0;
   Spectrum carried;              ///< what the viewer sees of a unit of radiance that comes back
-  std::vector<Spectrum> gained;  ///< [sun, then the sun's sky's components, then lamps' sources]
+  Spectrum emitted;              ///< by surfaces beyond the surroundings, W m-2 sr-1 um-1
+  std::vector<Spectrum> gained;  ///< [source], as the plan counts them, emission left out
   Sample from{};                 ///< the side that the path leaves
   glm::dvec3 way{0};             ///< unit
 
@@ -159,7 +161,7 @@ Hit BouncedLight::ahead(Walk& walk, bool& passed) const {
 }
 
 void BouncedLight::add_lamps(const SampledPixel& at, Walk& walk) const {
-  const auto first = static_cast<std::size_t>(plan_.sun_sources + plan_.sky_components);
+  const auto first = static_cast<std::size_t>(plan_.first_lamp());
   if (plan_.lamps.sources() == 0) return;
   for (const Sample* side : sides_of(at)) {
     const double v = walk.draw(), w = walk.draw();
@@ -168,10 +170,28 @@ void BouncedLight::add_lamps(const SampledPixel& at, Walk& walk) const {
   }
 }
 
+void BouncedLight::add_heat(const Sample& at, Walk& walk, bool whole, double times) const {
+  if (!plan_.thermal.on) return;
+  const double around_K = plan_.thermal.surroundings_K;
+  const scene::CompiledScene& scene = scene_.compiled;
+  Spectrum sent(walk.carried.size(), 0.0);
+  scene::for_each_material(scene::matter_of(scene, at.hit.primitive), [&](std::size_t material, float fraction) {
+    const Spectrum &back = curve_[scene::reflectance_curve(scene, material) - 1],
+                   &on = curve_[scene::transmittance_curve(scene, material) - 1];
+    const double kelvin = scene.materials[material].temperature_K;
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      const double l = plan_.wavelength_um[i];
+      const double excess = base::planck_radiance(l, kelvin) - base::planck_radiance(l, around_K);
+      sent[i] += times * static_cast<double>(fraction) * (whole ? 1 : 1 - back[i] - on[i]) * excess;
+    }
+  });
+  for (std::size_t i = 0; i < sent.size(); ++i) walk.emitted[i] += walk.carried[i] * sent[i];
+}
+
 void BouncedLight::add_sky(const glm::dvec3& way, Walk& walk) const {
   const std::array<double, 8> light = sky_light(plan_, way);
   const Spectrum one(walk.carried.size(), 1.0);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(plan_.sky_components); ++c)
+  for (std::size_t c = 0; c < static_cast<std::size_t>(plan_.components()); ++c)
     walk.add(static_cast<std::size_t>(plan_.sun_sources) + c, std::numbers::pi * light[c], one);
 }
 
@@ -235,26 +255,31 @@ SampledPixel BouncedLight::stand(const Sample& from, const glm::dvec3& way, cons
 std::vector<double> BouncedLight::at_sensor(const SampledPixel& pixel, const Sample& first, const Walk& walk) const {
   const NodeWeight h = locate(plan_.height, first.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
   Spectrum sum(plan_.wavelength_um.size(), 0.0);
-  const int solar = plan_.sun_sources + plan_.sky_components;
-  for (std::size_t source = 0; source < walk.gained.size(); ++source) {
-    const int gained = static_cast<int>(source), number = gained < solar ? gained : plan_.first_lamp() + gained - solar;
-    for (int ih = 0; ih < plan_.height.count; ++ih)
-      for (int iv = 0; iv < plan_.view.count; ++iv) {
-        const double weight = h.of(ih) * v.of(iv);
-        if (weight == 0) continue;
-        const int channel = (number * plan_.height.count + ih) * plan_.view.count + iv;
-        const Spectrum& light = plan_.source_spectrum[static_cast<std::size_t>(channel)];
-        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * walk.gained[source][i] * light[i];
-      }
-  }
+  for (int ih = 0; ih < plan_.height.count; ++ih)
+    for (int iv = 0; iv < plan_.view.count; ++iv) {
+      const double weight = h.of(ih) * v.of(iv);
+      if (weight == 0) continue;
+      const auto node = static_cast<std::size_t>(ih * plan_.view.count + iv),
+                 nodes = static_cast<std::size_t>(plan_.height.count * plan_.view.count);
+      const auto add = [&](const Spectrum& gained, const Spectrum& light) {
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * gained[i] * light[i];
+      };
+      for (std::size_t source = 0; source < walk.gained.size(); ++source)
+        add(walk.gained[source], plan_.source_spectrum[source * nodes + node]);
+      if (plan_.thermal.on) add(walk.emitted, plan_.transmission_spectrum[node]);
+    }
   return band_values(plan_, sum);
 }
 
 std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64_t seed, std::uint32_t path) const {
-  const std::size_t grid = plan_.wavelength_um.size(),
-                    sources =
-                        static_cast<std::size_t>(plan_.sun_sources + plan_.sky_components + plan_.lamps.sources());
-  Walk walk{seed, pixel.number, path, 0, Spectrum(grid, 1.0), std::vector<Spectrum>(sources, Spectrum(grid, 0.0))};
+  const std::size_t grid = plan_.wavelength_um.size(), sources = static_cast<std::size_t>(plan_.first_emission());
+  Walk walk{seed,
+            pixel.number,
+            path,
+            0,
+            Spectrum(grid, 1.0),
+            Spectrum(grid, 0.0),
+            std::vector<Spectrum>(sources, Spectrum(grid, 0.0))};
   double left = walk.draw();
   std::size_t chosen = 0;
   while (chosen + 1 < pixel.samples.size() && (left -= pixel.samples[chosen].weight) >= 0) ++chosen;
@@ -266,6 +291,8 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
   if (!pixel.glosses.empty()) at.glosses = {pixel.glosses[chosen]};
   if (plan_.matter.plates) add_sun(at, walk, false);
   bool passed = pass(at, walk);
+  // So far the plate counts as if it sent by itself what it lets through.
+  if (passed) add_heat(first, walk, true, -1);
   for (int level = 0; passed || turn(at, walk); ++level) {
     if (level == levels_) {
       add_last_sky(walk);
@@ -283,6 +310,7 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
     at = stand(walk.from, walk.way, hit);
     add_sun(at, walk, true);
     add_lamps(at, walk);
+    add_heat(at.samples[0], walk, false, 1);
   }
   return at_sensor(pixel, first, walk);
 }

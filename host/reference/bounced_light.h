@@ -15,7 +15,8 @@ class BouncedLight {
   BouncedLight(const ReferenceScene& scene, const plan::Plan& plan, int levels);
 
   /// By one path of a pixel: W m-2 sr-1 um-1 at the sensor, [band]. Its mean over paths is the pixel's light without
-  /// that which was scattered once; its spread is that of one path. Sun, its sky and lamps, as the plan has them.
+  /// that which was scattered once; its spread is that of one path. All sources, as the plan has them; of thermal light
+  /// what the surroundings, which stand for what hides the sky, do not count yet.
   std::vector<double> by_path(const SampledPixel& pixel, std::uint64_t seed, std::uint32_t path) const;
 
  private:
@@ -36,6 +37,8 @@ class BouncedLight {
   /// What the path meets next, beyond plates that it passes; passed: whether it did.
   Hit ahead(Walk& walk, bool& passed) const;
   void add_lamps(const SampledPixel& at, Walk& walk) const;
+  /// `times` what a surface sends by itself beyond the surroundings; whole: what a black body in its place does.
+  void add_heat(const Sample& at, Walk& walk, bool whole, double times) const;
   void add_sky(const glm::dvec3& way, Walk& walk) const;
   /// The same from the last surface, where nothing but plates hides it.
   void add_last_sky(Walk& walk) const;

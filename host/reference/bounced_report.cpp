@@ -8,7 +8,7 @@
 namespace raycube::reference {
 
 double BouncedReport::apart(const Band& band) const {
-  const double off = std::abs(band.device - band.reference) - skeleton_error * band.reference;
+  const double off = std::abs(band.device - band.reference) - skeleton_error * std::abs(band.reference);
   // Bands that hold no such light on either side agree.
   return off <= 0 ? 0 : band.error > 0 ? off / band.error : INFINITY;
 }
@@ -34,12 +34,12 @@ std::string BouncedReport::text() const {
   for (const Band& band : bands) device += band.device, reference += band.reference;
   const Band& band = bands[worst()];
   return "\nlight between surfaces (" + std::to_string(pixels) + " pixels, " + std::to_string(paths) +
-         " paths of the reference): all bands " + three_digits(reference > 0 ? device / reference : 1) +
+         " paths of the reference): all bands " + three_digits(reference != 0 ? device / reference : 1) +
          " of the reference; the worst, " + std::to_string(worst() + 1) + ", " +
-         three_digits(band.reference > 0 ? band.device / band.reference : 1) + " +- " +
-         three_digits(band.reference > 0 ? band.error / band.reference : 0) + ", " + three_digits(apart(band)) +
-         " standard errors apart (limit " + three_digits(kApart) + ", beside " + three_digits(skeleton_error) +
-         " that the plan allows)";
+         three_digits(band.reference != 0 ? band.device / band.reference : 1) + " +- " +
+         three_digits(band.reference != 0 ? band.error / std::abs(band.reference) : 0) + ", " +
+         three_digits(apart(band)) + " standard errors apart (limit " + three_digits(kApart) + ", beside " +
+         three_digits(skeleton_error) + " that the plan allows)";
 }
 
 }  // namespace raycube::reference

@@ -55,7 +55,8 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
   brighten(plan.sky_basis, 0, solar);
   if (plan.thermal.on) brighten(plan.thermal.basis, solar, static_cast<std::size_t>(plan.thermal.sky_components));
   if (!options_.table || options_.model_pixels == 0) return;
-  model_ = std::make_unique<TableModel>(scene_, plan, *options_.table, options_.no_air, options_.model_directions);
+  model_ = std::make_unique<TableModel>(scene_, plan, *options_.table, options_.no_air, options_.model_directions,
+                                        SkyShare{}, options_.beside_paths);
 }
 
 Comparison::~Comparison() = default;

@@ -42,6 +42,7 @@ struct CompareOptions {
   bool no_air = false;
   std::size_t model_pixels = 64;  ///< the first so many pixels are compared with the model
   int model_directions = 1024;
+  bool beside_paths = false;  ///< of the model: light between surfaces is compared apart (TableModel)
 };
 
 /// One band over the agreeing pixels.

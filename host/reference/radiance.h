@@ -123,12 +123,12 @@ struct SkyShare {
 /// Thermal light, whether the plan has it or not: every material that has a temperature emits at it, and what
 /// the table says of path and sky is added. Where the plan has thermal light, what hides the sky is looked
 /// up: it sends (1 - rho) B at its own temperature, and rho B at the plan's surroundings' for the light that
-/// falls on it.
+/// falls on it. Beside BouncedLight, whose paths do that, it counts as the surroundings do.
 class TableModel {
  public:
   /// Keeps references. `no_air`: transmissions 1, no sky, no path.
   TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
-             int directions = 1024, const SkyShare& share = {});
+             int directions = 1024, const SkyShare& share = {}, bool beside_paths = false);
 
   BandRadiance radiance(const SampledPixel& pixel) const;
 
@@ -167,7 +167,7 @@ class TableModel {
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   const atmos::RenderTable& table_;
-  bool no_air_;
+  bool no_air_, beside_paths_;
   bool sun_ = true, skylight_ = true;          ///< the table has rows of the sun's light
   bool warm_path_ = false, warm_sky_ = false;  ///< and of the air's own
   std::vector<std::vector<double>> curve_;     ///< [curve - 1][grid], curves_on

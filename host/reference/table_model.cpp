@@ -35,11 +35,12 @@ double azimuth_deg(const glm::dvec3& unit) { return base::deg_from_rad(std::atan
 }  // namespace
 
 TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table,
-                       bool no_air, int directions, const SkyShare& share)
+                       bool no_air, int directions, const SkyShare& share, bool beside_paths)
     : scene_(scene),
       plan_(plan),
       table_(table),
       no_air_(no_air),
+      beside_paths_(beside_paths),
       curve_(curves_on(scene.compiled, plan.wavelength_um)) {
   sun_ = plan.sun_up && table.has("solar_irradiance");
   skylight_ = !no_air && table.has("sky_radiance_solar");
@@ -257,7 +258,7 @@ void TableModel::add_surroundings(const std::map<std::uint32_t, double>& hidden,
                                   const std::vector<double>& direct, std::vector<double>& surroundings) const {
   for (const auto& [blocker, weight] : hidden) {
     std::vector<double> light;
-    if (blocker != RC_NONE)
+    if (blocker != RC_NONE && !beside_paths_)
       light = surface_light(blocker);
     else
       for (const double l : plan_.wavelength_um)

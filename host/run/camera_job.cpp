@@ -78,7 +78,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   const auto load_first = [&] { load_programs(planner::first_launched(simulation, instrument, job.plan), job.plan); };
   if (planning.renderer && (job.plan.sends_rays() || !planning.replay)) load_first();  // else the render loads its own
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
-  if (planning.renderer && planner::choose_bounces(simulation, job.plan)) load_first();
+  if (planning.renderer && planner::choose_bounces(*planning.renderer, simulation, instrument, job.plan)) load_first();
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation,

@@ -56,7 +56,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   settings.threads = services.threads;
   settings.grid = options.reference_grid;
   const plan::Plan finest = reference_plan(subject, job.table, view);
-  if (subject.between_surfaces && finest.sun_sources + finest.sky_components > 0)
+  if (subject.between_surfaces && finest.first_lamp() > 0)
     settings.levels = std::max(simulation.bounces, kReferenceBounces);
   study::Kept kept;
   const study::Converged reference = study::kept_or(
@@ -76,7 +76,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
                     " sky rays a pixel";
   if (settings.levels > 0)
     chart.reference += ", " + std::to_string(2 * settings.paths) + " paths to " + std::to_string(settings.levels) +
-                       " surfaces after the first (sun and sky of the plan's components)";
+                       " surfaces after the first (light of the plan's components)";
   chart.what_time = "the whole image of " + std::to_string(instrument.pixels) + " x " +
                     std::to_string(instrument.lines) +
                     " pixels, without writing: rows baked once, other stages of a few strips scaled to all pixels";

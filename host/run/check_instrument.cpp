@@ -33,6 +33,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
   compare.no_air = simulation.atmosphere.none;
   compare.model_pixels = options.model_pixels;
   compare.model_directions = options.model_directions;
+  compare.beside_paths = plan.bounces.any();
   plan::Plan once = plan;
   once.bounces = {};  // light between surfaces is check_bounced's matter
   reference::Comparison comparison(simulation.scene, once, instrument, simulation.seed, compare);

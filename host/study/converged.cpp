@@ -54,7 +54,8 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
   std::vector<reference::TableModel> models;
   for (int half = 0; half < kHalves; ++half)
     models.emplace_back(scene, plan, table, simulation.atmosphere.none, settings.directions,
-                        reference::SkyShare{settings.per_sample, half * reference::SkyShare::kHalfStep_rad});
+                        reference::SkyShare{settings.per_sample, half * reference::SkyShare::kHalfStep_rad},
+                        settings.levels > 0);
 
   std::optional<reference::BouncedLight> between;
   if (settings.levels > 0) between.emplace(scene, plan, settings.levels);

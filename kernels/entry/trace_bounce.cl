@@ -1,7 +1,7 @@
 /* Reads: hits, surface points of make_surface, the scene, its ground's skyline and curves at the skeleton wavelengths,
- * the sky's maps. Writes: by pixel and part of its samples, what light of the sun and its sky that was scattered at
- * least twice, or came through a plate, adds, at each skeleton wavelength: radiance per unit of both together
- * (plan::Bounces::together), times pi; then what light of lamps does, by their sources. Next: resolve. */
+ * the sky's maps. Writes: by pixel and part of its samples, what light that was scattered at least twice, or came
+ * through a plate, adds, at each skeleton wavelength: of sun, skies and what matter sends by itself, radiance per unit
+ * of all together (plan::Bounces::together), times pi; then of lamps, by their sources. Next: resolve. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/light/path_start.h"
 #include "kernels/geometry/samples.h"

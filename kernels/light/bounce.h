@@ -5,6 +5,7 @@
 #define RAYCUBE_KERNELS_LIGHT_BOUNCE_H
 
 #include "kernels/geometry/any_hits16.h"
+#include "kernels/light/heat.h"
 #include "kernels/light/path_matter.h"
 #include "kernels/light/plates.h"
 #include "kernels/sampling/sky_rays.h"
@@ -102,13 +103,12 @@ __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const Pat
 /* Sky that a path's ray sees: drawn by the cosine, a ray stands for pi sr of it. */
 static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
   if (!(paths->rays.dz[k] > 0.0f)) return;
-#if RC_GLOW_SOURCES > RC_SUN
+#if RC_COMPONENTS
   float light[RC_SKY_PLANES];
   rc_sky_light(&t->sky, paths->rays.dx[k], paths->rays.dy[k], paths->rays.dz[k], light);
   for (uint m = 0; m < RC_SKELETON; ++m) {
     float sky = 0.0f;
-    for (uint c = 0; c < RC_GLOW_SOURCES - RC_SUN; ++c)
-      sky = fma(light[c], t->source_share[(RC_SUN + c) * RC_SKELETON + m], sky);
+    for (uint c = 0; c < RC_COMPONENTS; ++c) sky = fma(light[c], t->source_share[(RC_SUN + c) * RC_SKELETON + m], sky);
     paths->gained[k][m] = fma(3.14159265f * sky, paths->carried[k][m], paths->gained[k][m]);
   }
 #endif
@@ -209,6 +209,12 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
   uint live = paths->live;
   for (uint level = 1; live; ++level) {
     rc_stand(scene, t->lobes, &paths->rays, live, &paths->ends);
+#if RC_THERMAL_COMPONENTS
+    for (uint left = live; left; left &= left - 1u) {
+      const uint k = rc_lowest(left);
+      rc_gain_heat(scene, t, paths->ends.surface[k], false, 1.0f, paths->carried[k], paths->gained[k]);
+    }
+#endif
 #if RC_SUN
     if (t->sun_up) rc_gain_sun(scene, t, live, &paths->ends, paths);
 #endif

@@ -10,6 +10,9 @@
 #include "kernels/light/sky_map.h"
 #include "kernels/shared/product_key.h"
 
+/* What a black body at a material's temperature sends beyond one at the surroundings', over the light of all sources
+ * together: the role after all others (plan::Bounces::curve). */
+#define RC_CURVE_HEAT (RC_CURVE_FURTHER + RC_FURTHER)
 #define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
 #if RC_LAMPS
 #define RC_GATHER_LAMPS() \
@@ -23,8 +26,8 @@
 typedef struct PathTables {
   global const Lobe* lobes;           /* [surface][RC_LOBE_STRIDE] */
   global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
-  global const float* skeleton_curve; /* [curve - 1][RC_SKELETON] */
-  global const float* source_share;   /* [sun, solar components][RC_SKELETON]: a source's light over that of all */
+  global const float* skeleton_curve; /* [curve - 1][RC_SKELETON]; then RC_CURVE_HEAT's where there is heat */
+  global const float* source_share;   /* [sun, components][RC_SKELETON]: a source's light over that of all */
   global const float* ground_around;  /* [RC_SKELETON]: pi times its radiance over the light of all */
   SkyMap sky;
   float4 sun;   /* direction to it */
@@ -81,6 +84,11 @@ static inline void rc_more_factors(const PathTables* t, uint surface, uint side,
 #endif
 }
 
+static inline float16 rc_curve_at(const PathTables* t, uint role, uint material, uint m) {
+  const uint id = rc_curve_id(role, material, RC_MATERIALS);
+  return vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m);
+}
+
 /* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried.
  * more: factors of further lobes, as `factor` is the first one's; read where there are any. */
 static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surface, uint side, float factor,
@@ -90,18 +98,15 @@ static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surf
     float16 curve = 0.0f;
     for (uint i = 0; i < 4u; ++i) {
       if (s->material[i] == 0u || s->fraction[i] == 0.0f) continue;
-      const uint id = rc_curve_id(rc_curve_of_side(side), s->material[i] - 1u, RC_MATERIALS);
-      curve =
-          fma((float16)(s->fraction[i]), vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
+      curve = fma((float16)(s->fraction[i]), rc_curve_at(t, rc_curve_of_side(side), s->material[i] - 1u, m), curve);
     }
 #if RC_FURTHER
     curve *= factor;
     for (uint i = 0; i < 4u * RC_FURTHER; ++i) {
       const uint material = s->material[i % 4u], number = i / 4u;
       if (material == 0u || more[number] == 0.0f) continue;
-      const uint id = rc_curve_id(RC_CURVE_FURTHER + number, material - 1u, RC_MATERIALS);
       curve = fma((float16)(more[number] * s->fraction[i % 4u]),
-                  vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m), curve);
+                  rc_curve_at(t, RC_CURVE_FURTHER + number, material - 1u, m), curve);
     }
     vstore16(curve * vload16(0, carried + m), 0, out + m);
 #else

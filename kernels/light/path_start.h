@@ -121,6 +121,10 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     bool passed = false, lit = false;
     const bool follow = (hidden & ~none) >> i & 1u, meets = follow && rc_meets(scene, t, paths, k, 0u, &passed);
     for (uint m = 0; m < RC_GLOW_WIDTH; ++m) paths->gained[k][m] = 0.0f;
+#if RC_PLATES && RC_THERMAL_COMPONENTS
+    /* What a plate lets through counts so far as if it sent that itself (host/plan/bake.cpp). */
+    if (straight >> i & 1u) rc_gain_heat(scene, t, first->surface[i], true, -1.0f, paths->carried[k], paths->gained[k]);
+#endif
 #if RC_PLATES && RC_SUN
     if (first->sunless >> i & 1u)
       lit = rc_gain_first_sun(scene, t, first, i, in + RC_SURFACE_AT(first->pixel[i]), paths->gained[k]);

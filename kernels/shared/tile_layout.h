@@ -21,7 +21,7 @@
  *                                               that of lamps, by their sources, likewise
  *   glow      float   [RC_PATH_PARTS][1 + RC_LAMPS][RC_SKELETON]  where light goes on from surface to surface
  *                                               (RC_BOUNCES): by part of the samples, what it adds at the skeleton
- *                                               wavelengths, per light of the sun and its sky together, then per
+ *                                               wavelengths, per light of sun, skies and heat together, then per
  *                                               light of each source of lamps; the parts' sum is the pixel's
  *   opaque    uint    [near slots]               where it is asked for (RC_FIRST_OPAQUE): the first primitive on the
  *                                               sample's ray that lets no light through, or RC_NONE
@@ -149,7 +149,6 @@
 #define RC_SKELETON 16 /* wavelengths along paths, whole words; asked for where there are bounces */
 #endif
 #define RC_GLOW_WIDTH ((1 + RC_LAMPS) * RC_SKELETON) /* of a part */
-#define RC_GLOW_SOURCES (RC_SUN + RC_COMPONENTS - RC_THERMAL_COMPONENTS)
 #define RC_NEAR_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)
 #define RC_NEAR_WORDS (RC_NEAR_SAMPLES / RC_WORD)
 #define RC_PADDED_SAMPLES (RC_SIDES * RC_NEAR_SAMPLES)

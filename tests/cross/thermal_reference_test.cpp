@@ -13,6 +13,7 @@
 #include "atmos_tables/synthetic.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/planck.h"
+#include "host/run/check_bounced.h"
 #include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
@@ -142,6 +143,55 @@ TEST_CASE("S4.8 S61 3.6 to 3.9 um by day: sun, skylight and thermal light on dev
   const auto report = compare(simulation, table, plan);
   CHECK(plan.sun_sources == 1);
   CHECK(report.sun_rays > 1000);
+}
+
+TEST_CASE("S4.8 S16 light between warm surfaces is that of another code's paths, by night and by day") {
+  // Panes of glass, too. What is left of the model's difference is no longer of the surroundings' one temperature.
+  for (const bool day : {false, true}) {
+    auto simulation = village({{0.3, 280}, {0.5, 330}, {0.4, 300}, {0.2, 340}, {0.15, 290}}, 60);
+    auto& scene = simulation.scene;
+    const auto pane = test::add_material(scene, "pane", 0.1);
+    scene.materials.back().temperature_K = 310;
+    scene.materials.back().reflectance = {{0.3, 15.0}, {0.1, 0.1}};
+    scene.materials.back().transmittance = {{0.3, 9.0, 15.0}, {0.6, 0.7, 0.4}};
+    scene.materials.back().behind = {RC_SHAPE_plate};
+    scene.materials[4].transmittance = {{0.3, 15.0}, {0.3, 0.2}};
+    test::place(scene, test::rectangle({-15, -15, 22}, {20, 0, 3}, {0, 30, 0}, pane));
+    finish_top_tree(scene);
+    simulation.sky_directions = 2048, simulation.bounces = 4, simulation.bounces_given = true;
+    auto table = atmos::isothermal_table(
+        285, [](double um) { return 0.3 + 0.02 * std::pow(um - 10, 2); }, 600, atmos::wavelength_grid(7, 14, 0.02));
+    simulation.sun.zenith_deg = 120;
+    simulation.instruments[0].bands = test::gaussian_bands({8.3, 10.2, 12.4}, 0.2);
+    if (day) {
+      simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 200;
+      simulation.instruments[0].bands = test::gaussian_bands({3.6, 3.7, 3.8}, 0.04);
+      table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 600,
+                                     atmos::clear_sky_wavelengths(3.4, 3.99, 0.005),
+                                     atmos::clear_sky_heights(scene.lo[2], scene.hi[2]));
+      add_thermal(table, 288, 270, 0.1);
+    }
+    plan::Plan plan;
+    const auto report = compare(simulation, table, plan);
+    render::Renderer renderer(scene, {});
+    // Without paths the block tells what they leave out; with them it is the rays' noise.
+    plan::Plan once = plan;
+    once.bounces = {};
+    run::CheckOptions options;
+    options.pixels = 16 * 16, options.model_pixels = 24;
+    const auto left_out = run::check_instrument(renderer, simulation, simulation.instruments[0], once, table, options);
+    MESSAGE("surroundings: " << report.model_surroundings.figure << ", without paths "
+                             << left_out.model_surroundings.figure);
+    CHECK(report.model_surroundings.figure < 0.3 * left_out.model_surroundings.figure);
+    const auto bounced = run::check_bounced(renderer, simulation, simulation.instruments[0], plan, {});
+    MESSAGE("a skeleton of " << plan.bounces.skeleton.size() << ":" << bounced.text());
+    for (const std::string& failure : bounced.failures()) FAIL_CHECK(failure);
+    for (const auto& band : bounced.bands) {
+      MESSAGE(band.device << " for " << band.reference << " +- " << band.error);
+      CHECK(bounced.apart(band) < 4);
+      CHECK(band.error < 0.02 * std::abs(band.reference));
+    }
+  }
 }
 
 TEST_CASE(

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "atmos_tables/synthetic.h"
+#include "host/base/planck.h"
 #include "host/planner/bounce_choice.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/open_share.h"
@@ -51,7 +52,7 @@ Chosen choose(const scene::Simulation& s) {
   out.before = out.plan.report.total_error;
   render::Renderer renderer(s.scene, {});
   planner::measure_open_share(renderer, s, s.instruments[0], out.plan);
-  const bool dropped = planner::choose_bounces(s, out.plan);
+  const bool dropped = planner::choose_bounces(renderer, s, s.instruments[0], out.plan);
   CHECK(dropped == (!s.bounces_given && !out.plan.bounces.any()));
   return out;
 }
@@ -126,6 +127,46 @@ TEST_CASE("bounces = auto: ground that sees nothing but sky has light scattered 
   CHECK(chosen.plan.report.bounces.chosen);
   CHECK(chosen.plan.report.bounces.once_missed == 0);
   CHECK(chosen.plan.report.total_error == chosen.before);
+}
+
+TEST_CASE("bounces = auto: what warm surfaces send onto others is measured, and kept where it is seen") {
+  // By night at 10 um, wall and ground grey: L_g = e B_g + r (L_w + S) / 2 and so for L_w; light scattered once has the
+  // surroundings' B for L_w.
+  constexpr double um = 10, sky = 1;
+  struct Case {
+    double reflectance, wall_K, tolerance;
+    bool dropped;
+  };
+  for (const auto& [reflectance, wall_K, tolerance, dropped] :
+       {Case{0.3, 350, 0.01, false}, {0.3, 350, 0.9, true}, {0.02, 305, 0.05, true}, {0.3, 300, 0.01, false}}) {
+    CAPTURE(reflectance);
+    CAPTURE(wall_K);
+    auto s = corner(true, reflectance, tolerance, 120);
+    const auto wall = test::add_material(s.scene, "wall", reflectance);
+    for (auto& material : s.scene.materials) material.reflectance = {{1.0, 20.0}, {reflectance, reflectance}};
+    s.scene.materials[0].temperature_K = 300, s.scene.materials[1].temperature_K = wall_K;
+    test::place(s.scene, test::rectangle({0.001, -kFar_m, 0}, {0, 2 * kFar_m, 0}, {0, 0, kFar_m}, wall));
+    finish_top_tree(s.scene);
+    s.instruments[0].bands = test::gaussian_bands({um}, 0.02);
+    atmos::UniformAir air;
+    air.solar_irradiance = air.sky_radiance = [](double) { return 0.0; };
+    air.thermal_sky_radiance = [](double) { return sky; };
+    air.thermal_path_radiance = [](double) { return 0.0; };
+    air.sun_zenith_deg = 120;
+    plan::Plan plan =
+        plan::make_plan(s, s.instruments[0], atmos::uniform_table(air, atmos::wavelength_grid(9.5, 10.5, 0.01)),
+                        sensors::view_bounds(s.instruments[0]));
+    render::Renderer renderer(s.scene, {});
+    planner::measure_open_share(renderer, s, s.instruments[0], plan);
+    CHECK(planner::choose_bounces(renderer, s, s.instruments[0], plan) == dropped);
+    const double e = 1 - reflectance, r = reflectance, ground_B = base::planck_radiance(um, 300);
+    const double own = e * ground_B + r * sky / 2, wall_own = e * base::planck_radiance(um, wall_K) + r * sky / 2;
+    const double all = (own + r * wall_own / 2) / (1 - r * r / 4),
+                 once = own + r * base::planck_radiance(um, plan.thermal.surroundings_K) / 2;
+    MESSAGE(plan.report.bounces.once_missed << " for " << std::abs(once / all - 1));
+    CHECK(plan.report.bounces.once_missed == doctest::Approx(std::abs(once / all - 1)).epsilon(0.1));
+    CHECK(plan.bounces.any() == !dropped);
+  }
 }
 
 TEST_CASE("bounces = auto: black matter among the scene's is none of its light's") {
