@@ -93,8 +93,10 @@ std::vector<std::string> not_looked_at(const run::CameraJob& job) {
                     "warning above names them");
   if (job.instrument->adaptive())
     lines.push_back("which pixels the adaptive first pass settles: here all have all samples");
-  if (job.plan.bounces.levels > 0)
-    lines.push_back("light between surfaces pixel by pixel: the paths are not the same, and only sums are compared");
+  if (job.plan.bounces.levels > 0 && job.plan.matter.plates)
+    lines.push_back("the device's own paths, ray by ray: some go through plates, and only sums are compared");
+  else if (job.plan.lamps.sources() > 0 && job.plan.bounces.levels > 0)
+    lines.push_back("lamplight on the device's own paths, ray by ray: of that only sums are compared");
   return lines;
 }
 

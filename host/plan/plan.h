@@ -168,8 +168,8 @@ struct Bounces {
   /// Of products of curves that the fit has not seen, over what each of them shows by itself, worst band: of what is
   /// seen, where surfaces see nothing but others as bright as they are.
   double error = 0;
-  double strength = 0;       ///< of those products, rms: what there is then of light between surfaces
-  double amplified = 1;      ///< largest root of a sum of squares over the skeleton, of any wavelength
+  double strength = 0;   ///< of those products, rms: what there is then of light between surfaces
+  double amplified = 1;  ///< largest root of a sum of squares over the skeleton, of any wavelength
   /// [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h; with thermal light then [material]:
   /// PathHeat::excess.
   std::vector<float> curve;
@@ -183,6 +183,7 @@ struct Bounces {
   /// air, because none is asked for or it is too faint beside thermal light: then nothing is known of that ground.
   std::vector<float> ground;
   std::vector<shared::rc_float4> scattering;  ///< [surface]: x chance of the near side, y largest R + T, z of gloss
+  bool logged = false;  ///< a probe hands over every step of every path; not of scenes with plates
 
   bool any() const { return !skeleton.empty(); }
   /// Largest reflectance and transmittance together, 1 at most.

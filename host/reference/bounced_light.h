@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/reference/radiance.h"
+#include "host/reference/path_light.h"
 
 namespace raycube::reference {
 
@@ -21,29 +21,17 @@ class BouncedLight {
 
  private:
   struct Walk;
-  using Spectrum = std::vector<double>;  ///< on the plan's grid
-
-  /// Of light that falls onto a side from a direction, what goes to the path's viewer over Lambert's law: its
-  /// materials' curves by their fractions and shapes.
-  Spectrum scattered(const Sample& side, const glm::dvec3& from) const;
   /// Through plates too, which hide it from all else; seen_too: what nothing hides.
   void add_sun(const SampledPixel& at, Walk& walk, bool seen_too) const;
   /// Whether nothing but plates lies ahead; multiplies `let` by what they let through.
   bool behind_plates(Sample from, const glm::dvec3& way, Spectrum& let) const;
-  /// Transmittance of the plate that a sample lies on.
-  Spectrum let_through(const Sample& at) const;
   /// Whether a path that met a plate goes straight on through it, which chance decides; of all else it does not.
   bool pass(const SampledPixel& at, Walk& walk) const;
   /// What the path meets next, beyond plates that it passes; passed: whether it did.
   Hit ahead(Walk& walk, bool& passed) const;
   void add_lamps(const SampledPixel& at, Walk& walk) const;
-  /// `times` what a surface sends by itself beyond the surroundings; whole: what a black body in its place does.
-  void add_heat(const Sample& at, Walk& walk, bool whole, double times) const;
-  void add_sky(const glm::dvec3& way, Walk& walk) const;
-  /// The same from the last surface, where nothing but plates hides it.
+  /// Sky from the last surface, where nothing but plates hides it.
   void add_last_sky(Walk& walk) const;
-  /// Open level ground around the scene, of its mean reflectance: where a path ends that leaves the scene downwards.
-  void add_ground(Walk& walk) const;
   /// Chooses side and direction in which the path goes on; false: it does not.
   bool turn(const SampledPixel& at, Walk& walk) const;
   /// The same by the gloss of the surface.
@@ -56,9 +44,7 @@ class BouncedLight {
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   int levels_;
-  std::vector<Spectrum> curve_;   ///< [curve - 1], curves_on
-  Spectrum ground_;               ///< reflectance around; empty where light between ground and air is off
-  std::array<double, 4> open_{};  ///< irradiance of level ground by each component, per unit of its spectrum
+  PathLight light_;
 };
 
 }  // namespace raycube::reference

@@ -10,6 +10,7 @@
 
 #include "atmos_tables/render_table.h"
 #include "host/reference/bounced_report.h"
+#include "host/reference/replay_report.h"
 #include "host/reference/first_hits.h"
 #include "host/reference/radiance.h"
 #include "host/reference/tie_search.h"
@@ -80,7 +81,8 @@ struct Report {
   ModelDifference model_environment;
   bool thermal = false;
   ModelDifference model_emission, model_surroundings;
-  BouncedReport bounced;  ///< of its own pixels; the figures above are of light scattered once
+  BouncedReport bounced;  ///< of its own pixels, as the next; the figures above are of light scattered once
+  ReplayReport replayed;
   /// log10 of each pixel's relative difference, [pixel in order of number][band]
   std::vector<std::vector<float>> picture;
   std::vector<std::uint32_t> picture_line;  ///< image line of each of its rows

@@ -69,6 +69,10 @@ SentRays sent_rays(const ReferenceScene& scene, const plan::Plan& plan, std::uin
 /// The plan's components from a direction, sr-1: solar, thermal sky, surroundings (-1). Zero below the horizon.
 std::array<double, 8> sky_light(const plan::Plan& plan, const glm::dvec3& direction);
 
+/// Density of a way that a gloss mirrors the viewer's to, sr-1: facets by Trowbridge and Reitz (J. Opt. Soc. Am. 65,
+/// 531, 1975), mirrored.
+double mirrored_density(const scene::CompiledScene& scene, const Sample& gloss, const glm::dvec3& direction);
+
 /// Share of the open sky that a side of a surface takes for granted; by gloss none.
 double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side);
 

@@ -54,6 +54,27 @@ nlohmann::ordered_json json_of(const BouncedReport& report) {
   return out;
 }
 
+nlohmann::ordered_json json_of(const ReplayReport& report) {
+  nlohmann::ordered_json hits;
+  for (std::size_t cause = 0; cause < kCauses; ++cause)
+    hits[cause_name(static_cast<Cause>(cause))] = report.hits[cause];
+  return {{"pixels", report.pixels},
+          {"pixels_left_out", report.excluded_pixels},
+          {"paths", report.paths},
+          {"rays_to_surfaces", report.steps},
+          {"hits", hits},
+          {"rays_to_lights", report.asked},
+          {"rays_to_lights_explained", report.asked_explained},
+          {"rays_to_lights_unexplained", report.asked_unexplained},
+          {"decisions", report.decisions},
+          {"decisions_at_their_chance", report.decisions_near},
+          {"decisions_wrong", report.decisions_wrong},
+          {"directions_wrong", report.ways_wrong},
+          {"worst_direction", report.worst_way},
+          {"worst", report.worst},
+          {"limit", ReplayReport::kMostOff}};
+}
+
 std::uint64_t unexplained(const Report& r) { return r.hits[static_cast<std::size_t>(Cause::unexplained)]; }
 
 }  // namespace
@@ -102,6 +123,7 @@ std::vector<std::string> Report::failures() const {
     out.push_back("the full tables differ by " + three_digits(model_total.figure) + " in band " +
                   std::to_string(model_total.band + 1) + ", tolerance " + three_digits(limits.model));
   for (const std::string& failure : bounced.failures()) out.push_back(failure);
+  for (const std::string& failure : replayed.failures()) out.push_back(failure);
   return out;
 }
 
@@ -137,7 +159,7 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
   if (model_pixels > 0 && thermal)
     out += ", emission " + three_digits(model_emission.figure) + ", surroundings at one temperature " +
            three_digits(model_surroundings.figure);
-  out += bounced.text();
+  out += bounced.text() + replayed.text();
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }
@@ -186,6 +208,7 @@ std::string Report::json() const {
   if (model_pixels > 0 && adjacency)
     out["model"]["environment"] = {{"figure", model_environment.figure}, {"band", model_environment.band}};
   if (!bounced.bands.empty()) out["light_between_surfaces"] = json_of(bounced);
+  if (replayed.pixels > 0) out["paths_replayed"] = json_of(replayed);
   for (const BandDifference& band : bands) {
     out["band_median"].push_back(band.median);
     out["band_rms"].push_back(band.rms);

@@ -95,7 +95,6 @@ double ReferenceScene::farthest_corner_m(const Sample& sample) const {
   return corner;
 }
 
-/// One ulp of the sizes that a spawned ray's origin is rounded relative to, m.
 double ReferenceScene::point_ulp_m(const Sample& sample) const {
   const shared::Instance& placed = compiled.instances[sample.hit.instance];
   const glm::dvec3 translation(placed.world_from_local_0.w, placed.world_from_local_1.w, placed.world_from_local_2.w);

@@ -105,11 +105,12 @@ class ReferenceScene {
   /// The same question to the double traversal, allowing for another computation's origin.
   Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction,
                             double t_far = std::numeric_limits<double>::infinity()) const;
+  /// One ulp of the sizes that a spawned ray's origin is rounded relative to, m.
+  double point_ulp_m(const Sample& sample) const;
 
  private:
   void place(Sample& sample, const plan::Plan& plan) const;
   double farthest_corner_m(const Sample& sample) const;
-  double point_ulp_m(const Sample& sample) const;
 };
 
 }  // namespace raycube::reference

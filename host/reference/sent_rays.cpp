@@ -50,18 +50,25 @@ double roughness_of(const scene::CompiledScene& scene, const Sample& side) {
   return rc_shape_roughness(gloss.number, gloss.parameters());
 }
 
-/// The same with the share of a gloss: facets by Trowbridge and Reitz (J. Opt. Soc. Am. 65, 531, 1975), mirrored.
-double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side,
-                  const glm::dvec3& direction) {
-  const double law = law_density(plan, side.normal, direction);
-  if (side.rays != RC_GLOSS_SIDE) return law;
+}  // namespace
+
+double mirrored_density(const scene::CompiledScene& scene, const Sample& side, const glm::dvec3& direction) {
   const double a = roughness_of(scene, side);
   const glm::dvec3 facet = glm::normalize(viewer_of(side) + direction);
   const double cosine = glm::dot(facet, side.normal), turn = glm::dot(facet, direction);
   const glm::dvec3 across = glm::cross(facet, side.normal);
   const double slope2 = glm::dot(across, across) / (cosine * cosine);
   const double facets = std::pow(1 + slope2 / (a * a), -2) / (std::numbers::pi * a * a * std::pow(cosine, 4));
-  return 0.5 * (law + (cosine > 0 && turn > 0 ? facets * cosine / (4 * turn) : 0));
+  return cosine > 0 && turn > 0 ? facets * cosine / (4 * turn) : 0;
+}
+
+namespace {
+
+/// The same with the share of a gloss.
+double density_of(const scene::CompiledScene& scene, const plan::Plan& plan, const Sample& side,
+                  const glm::dvec3& direction) {
+  const double law = law_density(plan, side.normal, direction);
+  return side.rays == RC_GLOSS_SIDE ? 0.5 * (law + mirrored_density(scene, side, direction)) : law;
 }
 
 /// The ray: bit for bit the device's, of gloss but for the rounding of the way to the viewer.

@@ -148,6 +148,7 @@ PixelProbe part_of(const PixelProbe& together, const Tile& tile, std::size_t fir
   take(together.hit_instance, out.hit_instance), take(together.hit_primitive, out.hit_primitive);
   take(together.sun_visible, out.sun_visible), take(together.sky_met, out.sky_met);
   take(together.radiance, out.radiance), take(together.truth, out.truth);
+  take(together.steps, out.steps), take(together.glow, out.glow);
   return out;
 }
 

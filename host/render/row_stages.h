@@ -41,6 +41,7 @@ struct TraceBuffers {
   cl::Buffer<std::uint16_t> sun;
   cl::Buffer<float> met_sky;
   cl::Buffer<float> glow;
+  cl::Buffer<shared::PathStep> path_log;
 };
 
 /// Share of the open sky that each surface takes for granted: the plan's, or all of it where no rays are sent.

@@ -18,7 +18,7 @@ std::size_t StageShape::row_bytes(std::size_t capacity) const {
 std::size_t StageShape::pixel_bytes() const {
   return tile().bytes() + rows(0).pixel_bytes() + sizeof(shared::RayGroup) +
          static_cast<std::size_t>(bands_padded) * sizeof(float) +
-         (first_opaque ? tile().near * sizeof(std::uint32_t) : 0);
+         (first_opaque ? tile().near * sizeof(std::uint32_t) : 0) + path_steps * sizeof(shared::PathStep);
 }
 
 StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group) {
@@ -58,6 +58,9 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.environment = !plan.environment.empty();
   shape.first_opaque = instrument.first_opaque && (plan.matter.through || plan.matter.plates);
   shape.bounces = plan.bounces.any(), shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
+  if (plan.bounces.logged)
+    shape.path_steps = static_cast<std::size_t>(RC_NUMBERED_PATHS(plan.paths())) *
+                       static_cast<std::size_t>(plan.bounces.levels + 1);
   shape.bands = static_cast<int>(plan.columns());
   shape.bands_padded = RC_PADDED(shape.bands);
   return shape;
@@ -107,6 +110,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
     both("RC_BOUNCES", 1);
     both("RC_SKELETON", shape.skeleton_padded());
     trace("RC_SUN", shape.sun);
+    if (shape.path_steps > 0) trace("RC_PATH_LOG", 1);
     if (shape.matter.sides() == 1) trace("RC_MATERIALS", static_cast<int>(shape.matter.materials));
   }
   return out;

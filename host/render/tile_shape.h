@@ -38,9 +38,10 @@ struct StageShape {
   int bands_padded = 0;
   bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
   scene::CameraMatter matter;
-  bool bounces = false;      ///< light comes by surfaces after the first
-  int skeleton = 0;          ///< wavelengths along its paths
-  bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel
+  bool bounces = false;        ///< light comes by surfaces after the first
+  int skeleton = 0;            ///< wavelengths along its paths
+  std::size_t path_steps = 0;  ///< of a pixel, that are handed over; 0: none are
+  bool environment = false;    ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int sources() const { return sun + components + lamps + temperatures; }
   int skeleton_padded() const { return RC_PADDED(skeleton); }

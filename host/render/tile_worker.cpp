@@ -1,6 +1,7 @@
 #include "host/render/tile_worker.h"
 
 #include <algorithm>
+#include <span>
 #include <cmath>
 #include <chrono>
 #include <cstring>
@@ -133,6 +134,21 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
         for (int m = 0; m < shape.components + shape.lamps; ++m)
           probe.sky_met[planes * to + m] = met[p * traced_.elements.met_sky + m * traced_.elements.padded + slot];
       }
+  if (shape.path_steps > 0 && chunk + 1 == shape.chunks) collect_paths(probe);
+}
+
+void TileWorker::collect_paths(PixelProbe& probe) const {
+  const StageShape& shape = setup_.shape;
+  const std::size_t pixels = probe.tile.pixels(), lines = static_cast<std::size_t>(shape.skeleton),
+                    width = traced_.elements.glow / RC_PATH_PARTS;
+  probe.steps.resize(pixels * shape.path_steps);
+  traced_.path_log.read(std::span(probe.steps), 0);
+  const auto glow = traced_.glow.read_all();
+  probe.glow.assign(pixels * lines, 0.0);
+  for (std::size_t p = 0; p < pixels; ++p)
+    for (std::size_t part = 0; part < RC_PATH_PARTS; ++part)
+      for (std::size_t m = 0; m < lines; ++m)
+        probe.glow[p * lines + m] += static_cast<double>(glow[p * traced_.elements.glow + part * width + m]);
 }
 
 void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* probe) {

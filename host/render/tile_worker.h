@@ -96,6 +96,7 @@ class TileWorker {
   void write_first_opaque(const std::vector<double>& shares, const TileOutput& out) const;
   /// Files what the stages left of one chunk of samples.
   void collect(int chunk, PixelProbe& probe) const;
+  void collect_paths(PixelProbe& probe) const;
   std::array<double, 3> centre_direction(std::uint32_t pixel) const;
   /// Nodes of the environment map around the mean of a pixel's hit points; around where its centre ray meets the lowest
   /// height when it hits nothing.

@@ -268,7 +268,8 @@ struct TraceStages::State {
                              .columns = layout.columns,
                              .first_sample = first_sample(chunk),
                              .sample_count = sample_count(chunk),
-                             .glow = traced.glow});
+                             .glow = traced.glow,
+                             .path_log = traced.path_log});
   }
 
   const cl::Context& context;

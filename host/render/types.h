@@ -91,6 +91,10 @@ struct PixelProbe : HitProbe {
   std::vector<float> sky_met;   ///< [pixel][side][sample][plane], irradiance that its rays add, then that of lamps
   std::vector<float> radiance;  ///< [pixel][band]
   std::vector<float> truth;     ///< [pixel][layer]
+  /// Where the plan asks for them (Bounces::logged): [pixel][numbered path][levels + 1], and what the paths bring at
+  /// the skeleton's wavelengths, of all sources but lamps, [pixel][wavelength].
+  std::vector<shared::PathStep> steps;
+  std::vector<double> glow;
 };
 
 /// What a pixel's samples and sky rays are drawn by: of one seed and other sky draws only the sky's rays differ.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "host/base/parallel.h"
 #include "host/reference/bounced_light.h"
+#include "host/reference/path_replay.h"
 #include "host/sensors/ray_groups.h"
 
 namespace raycube::run {
@@ -113,6 +115,39 @@ reference::BouncedReport check_bounced(render::Renderer& renderer, const scene::
     if (progress) progress(count);
   }
   add_reference(report, found);
+  return report;
+}
+
+reference::ReplayReport replay_paths(render::Renderer& renderer, const scene::Simulation& simulation,
+                                     const scene::Instrument& instrument, const plan::Plan& plan,
+                                     const CheckOptions& options, const std::function<void(std::uint64_t)>& progress) {
+  reference::ReplayReport report;
+  if (plan.bounces.levels == 0 || plan.matter.plates) return report;
+  const scene::Instrument in_full = compared_in_full(instrument);
+  plan::Plan logged = plan;
+  logged.bounces.logged = true;
+  const std::uint64_t steps_of_pixel = static_cast<std::uint64_t>(plan.paths()) * (plan.bounces.levels + 1);
+  const std::uint64_t pixels =
+      std::clamp<std::uint64_t>(kMostSteps / steps_of_pixel, 1, std::min(options.pixels, kReplayedPixels));
+  const reference::ReferenceScene scene(simulation.scene);
+  const reference::PathReplay replay(scene, logged, in_full, simulation.seed);
+  const int width = sensors::pixels_per_group(in_full);
+  renderer.probe(in_full, logged, simulation.sun, simulation.seed, render::pick_tiles(in_full, simulation.seed, pixels),
+                 [&](const render::PixelProbe& probe) {
+                   const std::size_t count = probe.tile.pixels(), samples = static_cast<std::size_t>(probe.samples),
+                                     steps = probe.steps.size() / count, lines = probe.glow.size() / count;
+                   std::vector<reference::ReplayReport> found(count);
+                   base::for_each_index(count, options.threads, [&](std::size_t p) {
+                     std::vector<reference::Hit> hits;
+                     for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
+                       hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
+                     found[p] = replay.replay(address_of(probe, p, width), hits,
+                                              std::span(probe.steps).subspan(p * steps, steps),
+                                              std::span(probe.glow).subspan(p * lines, lines));
+                   });
+                   for (const auto& pixel : found) report.add(pixel);
+                   if (progress) progress(count);
+                 });
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "host/reference/bounced_report.h"
+#include "host/reference/replay_report.h"
 #include "host/run/check_instrument.h"
 
 namespace raycube::run {
@@ -18,5 +19,14 @@ reference::BouncedReport check_bounced(render::Renderer& renderer, const scene::
                                        const scene::Instrument& instrument, const plan::Plan& plan,
                                        const CheckOptions& options,
                                        const std::function<void(std::uint64_t)>& progress = {});
+
+/// The device's own paths on some pixels, walked again: of kReplayedPixels, or of as many as the options ask where
+/// those are fewer, or as their paths have kMostSteps. Nothing where the plan has none, or where some go through
+/// plates.
+inline constexpr std::uint64_t kReplayedPixels = 64, kMostSteps = std::uint64_t{1} << 21;
+reference::ReplayReport replay_paths(render::Renderer& renderer, const scene::Simulation& simulation,
+                                     const scene::Instrument& instrument, const plan::Plan& plan,
+                                     const CheckOptions& options,
+                                     const std::function<void(std::uint64_t)>& progress = {});
 
 }  // namespace raycube::run

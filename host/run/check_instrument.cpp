@@ -197,6 +197,12 @@ CameraCheck check_camera(render::Renderer& renderer, const scene::Simulation& si
     check.report.bounced = check_bounced(renderer, simulation, instrument, job.plan, options,
                                          [&](std::uint64_t more) { step.advance(more); });
   }
+  if (job.plan.bounces.levels > 0 && !job.plan.matter.plates) {
+    const Step step(services, "paths of " + instrument.name, expected(std::min(options.pixels, kReplayedPixels)),
+                    "pixels");
+    check.report.replayed = replay_paths(renderer, simulation, instrument, job.plan, options,
+                                         [&](std::uint64_t more) { step.advance(more); });
+  }
   check.small = check_small_objects(renderer, simulation, instrument, job.plan, job.table, job.decision.small, options);
   return check;
 }

@@ -27,7 +27,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
       lowest,
       sun_up,
       levels,
-      seed RC_GATHER_LAMPS()};
+      seed RC_GATHER_LAMPS() RC_GATHER_LOG()};
   const uint samples = RC_NU * RC_NV;
   global float* out = glow + RC_GLOW_AT(place.pixel, 0u);
   global const float* group_in = surface + RC_SURFACE_AT(place.pixel);
@@ -38,6 +38,10 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
   rc_clear_first(&first);
   if (first_sample == 0u)
     for (uint i = 0; i < place.used * (uint)RC_GLOW_AT(1u, 0u); ++i) out[i] = 0.0f;
+#if RC_PATH_LOG
+  for (uint i = 0; first_sample == 0u && i < place.used * tables.log_paths * (levels + 1u); ++i)
+    tables.log[i].decided = 0u;
+#endif
   for (uint p = 0; p < (levels ? place.used : 0u); ++p) {
     global const uint* ids = hits + RC_HITS_AT(place.pixel + p);
     global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
@@ -79,6 +83,9 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
         first.scale[i] = share.scale * chunk_weight[sample] / sample_total;
         first.pixel[i] = p, first.part[i] = part, first.path[i] = path_number;
         first.slot[i] = slot, first.surface[i] = on, first.side[i] = side;
+#if RC_PATH_LOG
+        first.sample[i] = first_sample + sample;
+#endif
         if (++first.count == 16u)
           rc_begin_paths(scene, &tables, skyline.instance, &first, place.number, group_in, out, &waiting);
       }

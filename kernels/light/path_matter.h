@@ -20,6 +20,12 @@
 #else
 #define RC_GATHER_LAMPS()
 #endif
+#if RC_PATH_LOG
+#define RC_GATHER_LOG() \
+  , path_log + (size_t)place.pixel *RC_NUMBERED_PATHS(paths) * (levels + 1u), RC_NUMBERED_PATHS(paths)
+#else
+#define RC_GATHER_LOG()
+#endif
 #define RC_LAMP_DRAW 11u /* after them, and past the photons' and RC_LAMP_DIMENSION: six for each source of lamps */
 
 /* What paths ask of matter and light. */
@@ -36,6 +42,10 @@ typedef struct PathTables {
 #if RC_LAMPS
   LampTables lamps;
 #endif
+#if RC_PATH_LOG
+  global PathStep* log; /* of the group's first pixel */
+  uint log_paths;       /* of a pixel, as they are numbered */
+#endif
 } PathTables;
 
 typedef struct Paths16 {
@@ -49,6 +59,9 @@ typedef struct Paths16 {
   uint count;
   uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
   Ends16 ends;
+#if RC_PATH_LOG
+  uint went[16]; /* side by which each went on last */
+#endif
 } RC_LINE Paths16;
 
 #if RC_GLOSSY

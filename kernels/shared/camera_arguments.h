@@ -129,7 +129,8 @@
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \
   VALUE(rc_uint, sample_count) NEXT() \
-  WRITE(rc_float, glow)
+  WRITE(rc_float, glow) NEXT() \
+  WRITE(PathStep, path_log)           /* [pixel][numbered path][levels + 1], written where RC_PATH_LOG */
 
 #define RC_FIRST_OPAQUE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(BvhNode, nodes, NODES) NEXT() \

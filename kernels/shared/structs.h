@@ -18,6 +18,11 @@
 #define RC_LAMP_SPOT 1u
 #define RC_LAMP_RECTANGLE 2u /* this and the next shine from one side, by the cosine */
 #define RC_LAMP_DISC 3u
+#define RC_STEP_SENT 1u /* of PathStep::decided: there is such a ray */
+#define RC_STEP_MET 2u  /* something lies ahead of it */
+#define RC_STEP_LIT 4u  /* the sun is seen from where it ends */
+#define RC_STEP_SIDE 3u /* from this bit on: side by which the path goes on, or that it ends there */
+#define RC_STEP_ENDS 3u
 #define RC_VOLUME_BOX 0u /* shapes of a LidarVolume */
 #define RC_VOLUME_GRID 1u
 #define RC_VOLUME_PLUME 2u

@@ -23,6 +23,7 @@
  *                                               (RC_BOUNCES): by part of the samples, what it adds at the skeleton
  *                                               wavelengths, per light of sun, skies and heat together, then per
  *                                               light of each source of lamps; the parts' sum is the pixel's
+ *   path_log  PathStep  [numbered path][levels + 1]  where a probe asks for it (RC_PATH_LOG)
  *   opaque    uint    [near slots]               where it is asked for (RC_FIRST_OPAQUE): the first primitive on the
  *                                               sample's ray that lets no light through, or RC_NONE
  * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
@@ -87,6 +88,9 @@
 
 #define RC_PATH_PARTS 4 /* of a pixel's samples, whose paths are summed apart: their spread tells a standard error */
 
+/* Paths of a pixel as they are numbered, part by part (rc_sky_number): some numbers may be nobody's. */
+#define RC_NUMBERED_PATHS(paths) (((paths) + RC_PATH_PARTS - 1) / RC_PATH_PARTS * RC_PATH_PARTS)
+
 #define RC_ENVIRONMENT_NODES 4 /* nodes of the ground around that a pixel takes light from */
 
 #ifdef __OPENCL_C_VERSION__
@@ -147,6 +151,9 @@
 #endif
 #ifndef RC_SKELETON
 #define RC_SKELETON 16 /* wavelengths along paths, whole words; asked for where there are bounces */
+#endif
+#ifndef RC_PATH_LOG
+#define RC_PATH_LOG 0 /* 1: every step of every path is handed over */
 #endif
 #define RC_GLOW_WIDTH ((1 + RC_LAMPS) * RC_SKELETON) /* of a part */
 #define RC_NEAR_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)

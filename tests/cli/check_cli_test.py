@@ -189,6 +189,10 @@ with tempfile.TemporaryDirectory() as folder:
     check(max(paths["apart"]) < 5 == paths["limit_standard_errors"])
     check(min(paths["device"]) > 0 and min(paths["standard_error"]) > 0)
     check(max(e / l for e, l in zip(paths["standard_error"], paths["reference"])) < 0.2)
+    # Their own paths, ray by ray.
+    replayed = report["paths_replayed"]
+    check(replayed["pixels"] == 64 and replayed["rays_to_surfaces"] > 0 and replayed["decisions"] > 0, replayed)
+    check(replayed["pixels_left_out"] == 0 < replayed["worst"] < replayed["limit"] == 2e-5, replayed)
 
     # Pixels of more samples than one launch takes.
     dense, changed = re.subn(r"(?m)^samples\s*=.*$", "samples = { grid = [34, 34] }", toml)
