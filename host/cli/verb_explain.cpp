@@ -164,7 +164,8 @@ Verb verb_explain() {
       "One pixel is rendered as `render` renders it, with the same samples, and its radiance is told by where "
       "light came from and which material scattered it last: the sun, the skies by the plan's components (those beyond "
       "the first are differences of colour and may be negative), thermal light, light between surfaces by the number "
-      "of surfaces that it met after the one that is seen, the air's own light, and what the air scatters in from the "
+      "of surfaces that it met after the one that is seen (of thermal light what that differs from the warm "
+      "surroundings', so that it may be negative), the air's own light, and what the air scatters in from the "
       "ground around. The terms sum to what `render` writes, to the rounding of floats.\n\n"
       "With --json all bands are told, else those of the quicklook or --band.";
   verb.examples = {"raycube explain park.toml --instrument spectir --pixel 120,80",

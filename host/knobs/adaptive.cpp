@@ -9,9 +9,7 @@ Knob knob_adaptive() {
   Knob knob;
   knob.name = "adaptive";
   knob.text = "First pass of so many samples; pixels that it settles keep it, the others get all.";
-  knob.applies = [](const Subject& s) {
-    return s.instrument != nullptr && s.instrument->box_pixels();
-  };
+  knob.applies = [](const Subject& s) { return s.instrument != nullptr && s.instrument->box_pixels(); };
   knob.get = [](const Subject& s) { return static_cast<double>(s.instrument->first_samples); };
   knob.levels = [](const Subject& s) { return with_own({0, 8, 16, 32, 64}, s.instrument->first_samples); };
   knob.set = [](const Subject& s, double level) { s.instrument->first_samples = static_cast<int>(std::lround(level)); };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "host/base/error.h"
@@ -67,6 +68,28 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
   return product;
 }
 
+/// What a plate sends where paths go through it, by channels of emission: its own light, and for what it lets through
+/// the surroundings', beside which paths carry what differs from them. Empty of all else.
+std::vector<std::vector<double>> plate_emission(const Plan& plan, const scene::CompiledScene& scene,
+                                                std::uint64_t key) {
+  if (key == 0 || !plan.bounces.any() || !plan.matter.plates) return {};
+  const std::uint32_t curve = rc_key_curve(key, 0), materials = scene::material_count(scene),
+                      material = rc_curve_material(curve, materials);
+  if (rc_curve_role(curve, materials) != RC_CURVE_REFLECTANCE || !scene::is_plate(scene.materials[material])) return {};
+  const std::vector<double> back = curve_on(scene, curve, plan.wavelength_um),
+                            on = curve_on(scene, scene::transmittance_curve(scene, material), plan.wavelength_um);
+  const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count),
+             first = static_cast<std::size_t>(plan.first_emission()) * nodes,
+             around = static_cast<std::size_t>(plan.first_lamp() - 1) * nodes;
+  std::vector<std::vector<double>> out(plan.source_spectrum.begin() + static_cast<std::ptrdiff_t>(first),
+                                       plan.source_spectrum.end());
+  for (std::size_t c = 0; c < out.size(); ++c)
+    for (std::size_t i = 0; i < back.size(); ++i)
+      out[c][i] =
+          (1 - back[i] - on[i]) * out[c][i] + on[i] * std::numbers::pi * plan.source_spectrum[around + c % nodes][i];
+  return out;
+}
+
 /// take(c, sum of weight times spectrum c from `first` on) of channels from .. to - 1, four at once: four sums that do
 /// not wait for each other.
 template <class Take>
@@ -128,20 +151,26 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   if (curves > 0 && plan.thermal.on)
     for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
+  const auto glass = plate_emission(plan, scene, curves == 1 && plan.thermal.on ? key : 0);
   const bool covers = curves > 0 && !plan.truth.empty();
   out.assign((spectra.size() + (covers ? 1 : 0)) * padded, 0.0f);
   const std::size_t all = spectra.size(), lit = curves > 0 ? std::min(first_emission, all) : all;
+  const std::vector<double> one(glass.empty() ? 0 : plan.wavelength_um.size(), 1.0);
   std::vector<double> weight;
   for (std::size_t b = 0; b < bands; ++b) {
     const auto& band = plan.bands[b];
-    const auto into = [&](const std::vector<double>& factor, std::size_t from, std::size_t to) {
+    const auto into = [&](const std::vector<double>& factor, const std::vector<std::vector<double>>& light,
+                          std::size_t from, std::size_t to, std::size_t first) {
       weight = band.weight;
       for (std::size_t i = 0; i < weight.size(); ++i) weight[i] *= factor[band.first + i];
-      add_channels(weight, band.first, spectra, from, to,
-                   [&](std::size_t c, double sum) { out[c * padded + b] = static_cast<float>(sum); });
+      add_channels(weight, band.first, light, from, to,
+                   [&](std::size_t c, double sum) { out[(first + c) * padded + b] = static_cast<float>(sum); });
     };
-    into(scattered, 0, lit);
-    if (lit < all) into(emitted, lit, all);
+    into(scattered, spectra, 0, lit, 0);
+    if (!glass.empty())
+      into(one, glass, 0, glass.size(), lit);
+    else if (lit < all)
+      into(emitted, spectra, lit, all, 0);
   }
   if (!plan.truth.empty()) bake_truth(plan, scene, key, padded, out);
   if (plan.baked) plan.baked->keep(key, out);

@@ -7,6 +7,16 @@
 
 namespace raycube::plan {
 
+namespace {
+
+constexpr double kLeastLight = 1e-9;  ///< of the largest
+
+}  // namespace
+
+double least_light(const std::vector<double>& together) {
+  return together.empty() ? 0 : kLeastLight * *std::max_element(together.begin(), together.end());
+}
+
 std::vector<double> hottest_light(const Plan& plan, const scene::CompiledScene& scene) {
   double kelvin = 0;
   if (plan.thermal.on)
@@ -21,10 +31,11 @@ PathHeat path_heat(const Plan& plan, const scene::CompiledScene& scene, const st
   if (!plan.thermal.on) return out;
   const std::vector<double>& through =
       plan.transmission_spectrum[static_cast<std::size_t>(plan.height.count / 2 * plan.view.count)];
+  const double least = least_light(together);
   const auto at_sensor = [&](double kelvin) {
     std::vector<double> light(together.size(), 0.0);
     if (kelvin > 0) light = planck_spectrum(plan.wavelength_um, kelvin);
-    for (std::size_t i = 0; i < light.size(); ++i) light[i] *= together[i] > 0 ? through[i] / together[i] : 0;
+    for (std::size_t i = 0; i < light.size(); ++i) light[i] *= together[i] > least ? through[i] / together[i] : 0;
     return light;
   };
   out.surroundings = at_sensor(plan.thermal.surroundings_K);

@@ -133,7 +133,7 @@ double largest_of(const std::vector<double>& values) {
 Curves shares_of(const Plan& plan, const std::vector<double>& together) {
   const auto nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
   const std::size_t middle = middle_node(plan);
-  const double least = 1e-9 * largest_of(together);
+  const double least = least_light(together);
   Curves out;
   for (int source = 0; source < plan.first_lamp(); ++source) {
     const std::vector<double>& light = plan.source_spectrum[static_cast<std::size_t>(source) * nodes + middle];

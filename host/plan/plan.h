@@ -194,7 +194,7 @@ struct Bounces {
 /// does; where paths bring most of the noise the planner takes more (PixelTrial::choose_paths).
 using scene::paths_beside;
 
-/// Keys of the skeleton's rows: this and the number of a row, source of lamps * wavelengths + wavelength, sun and sky
+/// Keys of the skeleton's rows: this and the number of a row, source of lamps * wavelengths + wavelength, all else
 /// before the lamps. Of no product, and of no environment.
 inline constexpr std::uint64_t kSkeletonKey = std::uint64_t{3} << 62;
 
@@ -257,7 +257,7 @@ struct Plan {
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
   /// Whether pixels send rays that are drawn: into the sky, or along paths.
   bool sends_rays() const { return components() > 0 || bounces.any(); }
-  /// Of the band table: the skeleton's wavelengths for sun and sky, and for each source of lamps.
+  /// Of the band table: the skeleton's wavelengths for all sources but lamps, and for each source of those.
   std::size_t skeleton_rows() const { return bounces.skeleton.size() * static_cast<std::size_t>(1 + lamps.sources()); }
   int paths() const { return bounces.any() ? paths_beside(sky.rays, sky.paths_per_two) : 0; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }

@@ -82,10 +82,12 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
         instrument, cold.size() == 1 ? "a material" : "every material", listed(cold),
         use.on ? fmt::format(" ({} makes {:.2g} times the other light of band {})", use.from, use.share, use.band + 1)
                : fmt::format(" (bands reach beyond {:g} um)", base::kHeatFrom_um)));
-  if (use.on && use.share > 1 && hottest_K > coolest_K)
+  const auto& reflected = spectral.largest_reflectance;
+  const bool reflects = *std::max_element(reflected.begin(), reflected.end()) > 0;
+  if (use.on && use.share > 1 && hottest_K > coolest_K && reflects)
     use.without_paths = fmt::format(
         "instrument '{}': light of hot surfaces that falls on other surfaces is not rendered "
-        "(the hottest has {:g} K); set bounces to \"auto\" or above 0, or see by `raycube check` what "
+        "(the hottest has {:g} K); give bounces above 0, or see by `raycube check` what "
         "that leaves out",
         instrument, hottest_K);
 }

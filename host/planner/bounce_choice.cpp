@@ -21,6 +21,12 @@ constexpr double kLowest = 0.1;  ///< sine of the sun's elevation below which no
 constexpr std::uint64_t kLook = 0x1f83d9ab;  ///< added to the seed: pixels and draws of its own
 constexpr int kLookedRuns = 64, kLookRays = 128, kLookedAtOnce = 512;  ///< of 8 pixels each; pixels traced at once
 
+constexpr double kStepsOfOctave = 8;  ///< in which it is told: what devices round differently does not move it
+
+double rounded_up(double value) {
+  return value > 0 ? std::exp2(std::ceil(std::log2(value) * kStepsOfOctave - 1e-3) / kStepsOfOctave) : 0;
+}
+
 /// What paths change on some pixels, by the same samples and rays with them and without, from above: two draws of the
 /// rays, so that their noise adds nothing.
 double changed_by_paths(render::Renderer& renderer, const scene::Simulation& simulation,
@@ -55,13 +61,15 @@ bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulat
   if (simulation.bounces_given || !bounces.any() || !met.known) return false;
   const double most = bounces.brightest(), each = most * met.on;  // each: of light at a surface, what the next one gets
   const double facing = plan.sun_up ? std::max(kLowest, static_cast<double>(plan.sun_direction[2])) : 1;
-  // Of thermal light the surroundings count most already: what is left no bound is near to, so it is looked at.
-  const double once_missed = plan.thermal.on ? std::min(1.0, changed_by_paths(renderer, simulation, instrument, plan))
-                                             : std::min(1.0, met.rms * most / (facing * std::max(1 - each, 1e-3)));
-  const double share = kMissedShare * plan.tolerance, missed = once_missed * std::pow(each, bounces.levels);
   // A gloss shows of other surfaces what the look does not weigh: beside dark matter it is most of what is seen. So may
   // be what a lamp makes bright, and all that lies behind plates.
-  const bool drop = once_missed <= share && !plan.matter.glossy && !plan.matter.plates && plan.lamps.sources() == 0;
+  const bool kept = plan.matter.glossy || plan.matter.plates || plan.lamps.sources() > 0;
+  // Of thermal light the surroundings count most already: what is left no bound is near to, so it is looked at.
+  const double once_missed =
+      std::min(1.0, plan.thermal.on && !kept ? rounded_up(changed_by_paths(renderer, simulation, instrument, plan))
+                                             : met.rms * most / (facing * std::max(1 - each, 1e-3)));
+  const double share = kMissedShare * plan.tolerance, missed = once_missed * std::pow(each, bounces.levels);
+  const bool drop = once_missed <= share && !kept;
   // What the wavelengths err by counts where surfaces are met.
   if (drop || (bounces.error * met.mean <= bounces.share && bounces.amplified <= plan::kMostAmplified))
     std::erase_if(plan.notices, [](const auto& told) { return told.starts_with(plan::kBetweenSurfaces); });

@@ -195,10 +195,10 @@ PlanLine bounces_line(const plan::Plan& plan) {
   if (open) why = "whether there is enough of it a look on a device says";
   if (chosen)
     why = b.any() ? fmt::format(
-                        "without it so much may be missed, from above; paths end by chance; the wavelengths err by {} "
-                        "where surfaces see nothing but each other",
-                        percent_text(b.error))
-                  : "light scattered once is that near, after what surfaces see of each other";
+                        "without it so much {}; paths end by chance; the wavelengths err by {} where surfaces see "
+                        "nothing but each other",
+                        plan.thermal.on ? "is missed, or may be" : "may be missed, from above", percent_text(b.error))
+                  : "light scattered once is that near, after a look at what surfaces see of each other";
   return {"between surfaces",
           b.any()
               ? fmt::format("{}{} more", chosen ? "up to " : "", plural(static_cast<std::size_t>(b.levels), "surface"))

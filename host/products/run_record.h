@@ -23,7 +23,7 @@ struct RunRecord {
   std::vector<std::string> kernel_variants;
   // figures
   std::int64_t samples = 0, lines = 0, bands = 0, samples_per_pixel = 0;
-  std::vector<std::pair<std::string, double>> stage_s;  ///< wall-clock seconds per stage, in order
+  std::vector<std::pair<std::string, double>> stage_s;      ///< wall-clock seconds per stage, in order
   std::vector<std::pair<std::string, double>> processor_s;  ///< of all threads: plan, render
   double total_s = 0;
   std::uint64_t rays = 0;  ///< primary, sun and sky rays together

@@ -170,9 +170,9 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
   if (!pixel.far_sides.empty()) at.far_sides = {pixel.far_sides[chosen]};
   if (!pixel.glosses.empty()) at.glosses = {pixel.glosses[chosen]};
   if (plan_.matter.plates) add_sun(at, walk, false);
+  if (plan_.matter.plates && scene::is_plate(scene_.compiled, first.hit.primitive))
+    light_.take_own_for_through(first, walk.light);
   bool passed = pass(at, walk);
-  // So far the plate counts as if it sent by itself what it lets through.
-  if (passed) light_.add_heat(first, walk.light, true, -1);
   for (int level = 0; passed || turn(at, walk); ++level) {
     if (level == levels_) {
       add_last_sky(walk);
@@ -190,7 +190,7 @@ std::vector<double> BouncedLight::by_path(const SampledPixel& pixel, std::uint64
     at = stand(walk.from, walk.way, hit);
     add_sun(at, walk, true);
     add_lamps(at, walk);
-    light_.add_heat(at.samples[0], walk.light, false, 1);
+    light_.add_heat(at.samples[0], walk.light);
   }
   return at_sensor(pixel, first, walk);
 }

@@ -8,7 +8,7 @@
 namespace raycube::reference {
 
 double BouncedReport::apart(const Band& band) const {
-  const double off = std::abs(band.device - band.reference) - skeleton_error * std::abs(band.reference);
+  const double off = std::abs(band.device - band.reference) - skeleton_error * band.size;
   // Bands that hold no such light on either side agree.
   return off <= 0 ? 0 : band.error > 0 ? off / band.error : INFINITY;
 }

@@ -16,6 +16,7 @@ struct BouncedReport {
   double skeleton_error = 0;            ///< relative, as the plan knows it: what the bands between may err by besides
   struct Band {
     double device = 0, reference = 0;  ///< means over the pixels, W m-2 sr-1 um-1
+    double size = 0;                   ///< of the reference's paths, without regard to their sign
     double error = 0;                  ///< standard error of their difference
   };
   std::vector<Band> bands;  ///< empty: the plan has no light between surfaces

@@ -92,22 +92,28 @@ Spectrum PathLight::let_through(const Sample& at) const {
   return out;
 }
 
-void PathLight::add_heat(const Sample& at, PathGains& light, bool whole, double times) const {
+void PathLight::add_excess(const Sample& at, PathGains& light, double (*part)(double back, double on)) const {
   if (!plan_.thermal.on) return;
   const double around_K = plan_.thermal.surroundings_K;
   const scene::CompiledScene& scene = scene_.compiled;
-  Spectrum sent(light.carried.size(), 0.0);
   scene::for_each_material(scene::matter_of(scene, at.hit.primitive), [&](std::size_t material, float fraction) {
     const Spectrum &back = curve_[scene::reflectance_curve(scene, material) - 1],
                    &on = curve_[scene::transmittance_curve(scene, material) - 1];
     const double kelvin = scene.materials[material].temperature_K;
-    for (std::size_t i = 0; i < sent.size(); ++i) {
+    for (std::size_t i = 0; i < light.carried.size(); ++i) {
       const double l = plan_.wavelength_um[i];
       const double excess = base::planck_radiance(l, kelvin) - base::planck_radiance(l, around_K);
-      sent[i] += times * static_cast<double>(fraction) * (whole ? 1 : 1 - back[i] - on[i]) * excess;
+      light.emitted[i] += light.carried[i] * static_cast<double>(fraction) * part(back[i], on[i]) * excess;
     }
   });
-  for (std::size_t i = 0; i < sent.size(); ++i) light.emitted[i] += light.carried[i] * sent[i];
+}
+
+void PathLight::add_heat(const Sample& at, PathGains& light) const {
+  add_excess(at, light, [](double back, double on) { return 1 - back - on; });
+}
+
+void PathLight::take_own_for_through(const Sample& at, PathGains& light) const {
+  add_excess(at, light, [](double, double on) { return -on; });
 }
 
 void PathLight::add_sky(const glm::dvec3& way, PathGains& light) const {

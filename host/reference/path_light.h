@@ -36,8 +36,11 @@ class PathLight {
   Spectrum scattered(const Sample& side, const glm::dvec3& from) const;
   /// Transmittance of the plate that a sample lies on.
   Spectrum let_through(const Sample& at) const;
-  /// `times` what a surface sends by itself beyond the surroundings; whole: what a black body in its place does.
-  void add_heat(const Sample& at, PathGains& light, bool whole, double times) const;
+  /// What a surface sends by itself beyond the surroundings.
+  void add_heat(const Sample& at, PathGains& light) const;
+  /// Takes away what the plate that a pixel sees counts for what it lets through, its own light, and not that of the
+  /// surroundings.
+  void take_own_for_through(const Sample& at, PathGains& light) const;
   /// From an open direction; of the surroundings what the sky takes from them.
   void add_sky(const glm::dvec3& way, PathGains& light) const;
   /// Open level ground around the scene, of its mean reflectance, as seen from a point.
@@ -46,6 +49,9 @@ class PathLight {
   SampledPixel stand(const Ray& ray, const Hit& hit) const;
 
  private:
+  /// Adds a part, told by R and T, of what a black body sends beyond the surroundings, of each material.
+  void add_excess(const Sample& at, PathGains& light, double (*part)(double back, double on)) const;
+
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   std::vector<Spectrum> curve_;   ///< [curve - 1], curves_on

@@ -242,7 +242,7 @@ void PathReplay::follow(Pixel& pixel, Path& path) const {
     }
     const SampledPixel at = light_.stand(ray, hit);
     add_sun(pixel, path, at, step.decided & RC_STEP_LIT);
-    light_.add_heat(at.samples[0], path.light, false, 1);
+    light_.add_heat(at.samples[0], path.light);
     if (!go_on(pixel, path, at, level)) return;
   }
 }

@@ -40,8 +40,8 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       sun(context, pixels * elements.sun, cl::Access::read_write, "sun visibility"),
       met_sky(context, pixels * elements.met_sky, cl::Access::read_write, "met sky"),
       glow(context, pixels * elements.glow, cl::Access::read_write, "light between surfaces"),
-      path_log(context, std::max<std::size_t>(1, pixels * shape.path_steps), cl::Access::read_write,
-               "steps of paths") {}
+      path_log(context, std::max<std::size_t>(1, pixels * shape.path_steps), cl::Access::read_write, "steps of paths") {
+}
 
 std::vector<float> open_shares(const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape) {
   std::size_t surfaces = 0;

@@ -59,8 +59,8 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.first_opaque = instrument.first_opaque && (plan.matter.through || plan.matter.plates);
   shape.bounces = plan.bounces.any(), shape.skeleton = static_cast<int>(plan.bounces.skeleton.size());
   if (plan.bounces.logged)
-    shape.path_steps = static_cast<std::size_t>(RC_NUMBERED_PATHS(plan.paths())) *
-                       static_cast<std::size_t>(plan.bounces.levels + 1);
+    shape.path_steps =
+        static_cast<std::size_t>(RC_NUMBERED_PATHS(plan.paths())) * static_cast<std::size_t>(plan.bounces.levels + 1);
   shape.bands = static_cast<int>(plan.columns());
   shape.bands_padded = RC_PADDED(shape.bands);
   return shape;

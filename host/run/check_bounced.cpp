@@ -58,15 +58,16 @@ void add_device(reference::BouncedReport& report, const std::vector<std::vector<
 }
 
 struct PixelLight {
-  std::vector<double> mean, variance;  ///< [band], of the mean
+  std::vector<double> mean, size, variance;  ///< [band]: of paths; without regard to their sign; of the mean
 };
 
 PixelLight light_of(const reference::BouncedLight& light, const reference::SampledPixel& pixel, std::uint64_t seed,
                     std::size_t bands) {
-  PixelLight out{std::vector<double>(bands), std::vector<double>(bands)};
+  PixelLight out{std::vector<double>(bands), std::vector<double>(bands), std::vector<double>(bands)};
   for (std::uint32_t path = 0; path < kBouncedPaths; ++path) {
     const std::vector<double> l = light.by_path(pixel, seed, path);
-    for (std::size_t b = 0; b < bands; ++b) out.mean[b] += l[b], out.variance[b] += l[b] * l[b];
+    for (std::size_t b = 0; b < bands; ++b)
+      out.mean[b] += l[b], out.size[b] += std::abs(l[b]) / kBouncedPaths, out.variance[b] += l[b] * l[b];
   }
   for (std::size_t b = 0; b < bands; ++b) {
     out.mean[b] /= kBouncedPaths;
@@ -80,7 +81,8 @@ void add_reference(reference::BouncedReport& report, const std::vector<PixelLigh
   for (std::size_t b = 0; b < report.bands.size(); ++b) {
     auto& band = report.bands[b];
     for (const PixelLight& pixel : found)
-      band.reference += pixel.mean[b] / pixels, band.error += pixel.variance[b] / (pixels * pixels);
+      band.reference += pixel.mean[b] / pixels, band.size += pixel.size[b] / pixels,
+          band.error += pixel.variance[b] / (pixels * pixels);
     band.error = std::sqrt(band.error);
   }
 }

@@ -29,9 +29,10 @@ struct PixelBudget {
 };
 
 /// The pixel as render makes it, means of replicates and samples for small objects included. A sky's components after
-/// its first are differences from that one's colour, and may be negative. Light between surfaces is told apart by
-/// rendering the same paths to one surface, to two, and so on to eight; what came by more is one part. Sums are of
-/// doubles, those of render of floats: they differ by some 1e-7, with light between surfaces by some 1e-6.
+/// its first are differences from that one's colour, and may be negative, as may thermal light between surfaces, which
+/// is what that differs from the surroundings'. Light between surfaces is told apart by rendering the same paths to one
+/// surface, to two, and so on to eight; what came by more is one part. Sums are of doubles, those of render of floats:
+/// they differ by some 1e-7, with light between surfaces by some 1e-6.
 PixelBudget explain_pixel(render::Renderer& renderer, const scene::Simulation& simulation, const CameraJob& job,
                           int line, int sample);
 

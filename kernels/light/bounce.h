@@ -226,7 +226,9 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
 #if RC_THERMAL_COMPONENTS
     for (uint left = live; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
-      rc_gain_heat(scene, t, paths->ends.surface[k], false, 1.0f, paths->carried[k], paths->gained[k]);
+      /* Of a plate that was so when the ray met it. */
+      if (rc_is_plate(t->lobes, paths->ends.surface[k])) continue;
+      rc_gain_heat(scene, t, paths->ends.surface[k], paths->carried[k], paths->gained[k]);
     }
 #endif
 #if RC_SUN

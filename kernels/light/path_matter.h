@@ -12,7 +12,7 @@
 
 /* What a black body at a material's temperature sends beyond one at the surroundings', over the light of all sources
  * together: the role after all others (plan::Bounces::curve). */
-#define RC_CURVE_HEAT (RC_CURVE_FURTHER + RC_FURTHER)
+#define RC_CURVE_HEAT (RC_CURVE_FURTHER + RC_FURTHER_RECORDS)
 #define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
 #if RC_LAMPS
 #define RC_GATHER_LAMPS() \
@@ -51,7 +51,7 @@ typedef struct PathTables {
 typedef struct Paths16 {
   Rays16 rays;
   float carried[16][RC_SKELETON];
-  float gained[16][RC_GLOW_WIDTH]; /* of sun and sky, then of each source of lamps */
+  float gained[16][RC_GLOW_WIDTH]; /* of all sources but lamps, then of each of those */
   float reach[16];                 /* bound of what is carried: product of the surfaces' largest R + T */
   float scale[16];                 /* samples that the path stands for, times their weight */
   uint pixel[16], part[16];        /* of the group; part of its samples */

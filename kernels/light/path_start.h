@@ -129,16 +129,12 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
       factor *= rc_spread(t->lobes, in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
 #endif
     rc_carry_on(scene, t, first->surface[i], first->side[i], factor, more, unit, paths->carried[k]);
+    for (uint m = 0; m < RC_GLOW_WIDTH; ++m) paths->gained[k][m] = 0.0f;
     bool passed = false, lit = false;
     const bool follow = (hidden & ~none) >> i & 1u, meets = follow && rc_meets(scene, t, paths, k, 0u, &passed);
 #if RC_PATH_LOG
     global PathStep* at = rc_step(t, first->pixel[i], first->path[i], 0u);
     at->instance = paths->ends.instance[k], at->primitive = paths->ends.primitive[k];
-#endif
-    for (uint m = 0; m < RC_GLOW_WIDTH; ++m) paths->gained[k][m] = 0.0f;
-#if RC_PLATES && RC_THERMAL_COMPONENTS
-    /* What a plate lets through counts so far as if it sent that itself (host/plan/bake.cpp). */
-    if (straight >> i & 1u) rc_gain_heat(scene, t, first->surface[i], true, -1.0f, paths->carried[k], paths->gained[k]);
 #endif
 #if RC_PLATES && RC_SUN
     if (first->sunless >> i & 1u)

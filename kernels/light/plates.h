@@ -4,6 +4,7 @@
 #define RAYCUBE_KERNELS_LIGHT_PLATES_H
 
 #include "kernels/geometry/ray_trace.h"
+#include "kernels/light/heat.h"
 #include "kernels/light/path_matter.h"
 
 #define RC_PLATE_DIMENSION 4096u /* of rc_hash, and one more for each plate: past a path's others */
@@ -60,6 +61,9 @@ static inline bool rc_passes_plate(SceneArrays scene, const PathTables* t, Paths
 #if RC_PLATES
   const uint surface = rc_surface_of(scene, hit.primitive);
   if (!rc_is_plate(t->lobes, surface)) return false;
+#if RC_THERMAL_COMPONENTS
+  rc_gain_heat(scene, t, surface, paths->carried[k], paths->gained[k]);
+#endif
   const float4 law = t->scattering[surface];
   const float on = (1.0f - law.x) * (1.0f - (RC_GLOSSY ? law.z : 0.0f));
   const float draw =

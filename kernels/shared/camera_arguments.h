@@ -106,7 +106,7 @@
   READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED or RC_THROUGH */ \
   READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T, z of gloss */ \
   READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
-  READ(rc_float, source_share) NEXT() /* [sun, solar components][RC_SKELETON]: a source's light over that of all */ \
+  READ(rc_float, source_share) NEXT() /* [sun, components][RC_SKELETON]: a source's light over that of all */ \
   READ(rc_float, ground_around) NEXT() /* [RC_SKELETON]: pi times its radiance over the light of all */ \
   READ(Lamp, lamps) NEXT()            /* read where RC_LAMPS, as the next */ \
   READ(rc_uint, lamp_first) NEXT() \

@@ -146,8 +146,7 @@ TEST_CASE("S4.8 S61 3.6 to 3.9 um by day: sun, skylight and thermal light on dev
 }
 
 TEST_CASE("S4.8 S16 light between warm surfaces is that of another code's paths, by night and by day") {
-  // With panes of glass; without them the device's own paths, ray by ray. What is left of the model's difference is no
-  // longer of the surroundings' one temperature.
+  // With panes of glass; without them the device's own paths, ray by ray.
   for (const auto& [day, panes] : {std::pair{false, true}, {true, true}, {false, false}, {true, false}}) {
     CAPTURE(day);
     CAPTURE(panes);
@@ -177,7 +176,7 @@ TEST_CASE("S4.8 S16 light between warm surfaces is that of another code's paths,
       add_thermal(table, 288, 270, 0.1);
     }
     plan::Plan plan;
-    const auto report = compare(simulation, table, plan);
+    compare(simulation, table, plan);
     render::Renderer renderer(scene, {});
     if (!panes) {
       const auto replayed = run::replay_paths(renderer, simulation, simulation.instruments[0], plan, {});
@@ -188,15 +187,6 @@ TEST_CASE("S4.8 S16 light between warm surfaces is that of another code's paths,
       CHECK(replayed.worst > 0);
       continue;
     }
-    // Without paths the block tells what they leave out; with them it is the rays' noise.
-    plan::Plan once = plan;
-    once.bounces = {};
-    run::CheckOptions options;
-    options.pixels = 16 * 16, options.model_pixels = 24;
-    const auto left_out = run::check_instrument(renderer, simulation, simulation.instruments[0], once, table, options);
-    MESSAGE("surroundings: " << report.model_surroundings.figure << ", without paths "
-                             << left_out.model_surroundings.figure);
-    CHECK(report.model_surroundings.figure < 0.3 * left_out.model_surroundings.figure);
     const auto bounced = run::check_bounced(renderer, simulation, simulation.instruments[0], plan, {});
     MESSAGE("a skeleton of " << plan.bounces.skeleton.size() << ":" << bounced.text());
     for (const std::string& failure : bounced.failures()) FAIL_CHECK(failure);

@@ -10,6 +10,7 @@
 #include "atmos_tables/synthetic.h"
 #include "host/base/planck.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 #include "tests/support/lit_scenes.h"
 #include "tests/support/test_scenes.h"
 
@@ -198,10 +199,15 @@ TEST_CASE("S16 warm paths: in a hollow sphere of two halves every point gets the
 }
 
 TEST_CASE("S23 S24 warm paths: through an endless leaf or plate shows what the ground below it sends") {
-  for (const bool plate : {false, true}) {
+  struct Case {
+    bool plate, black;  ///< black: the sheet reflects nothing
+    double sheet_K;
+  };
+  for (const auto& [plate, black, sheet_K] :
+       {Case{false, false, 270}, Case{true, false, 270}, Case{true, true, 270}, Case{true, false, 600}}) {
     scene::Simulation simulation = seen_by(test::nadir_camera(16, 16, 20, 0.04, 0, 0));
     auto& scene = simulation.scene;
-    const Matter ground{320, wavy(0.3, 0.2, 2)}, sheet{270, wavy(0.2, 0.1, 3)};
+    const Matter ground{320, wavy(0.3, 0.2, 2)}, sheet{sheet_K, black ? wavy(0, 0, 1) : wavy(0.2, 0.1, 3)};
     const scene::Curve let = wavy(0.5, 0.2, 4);
     const auto soil = warm(scene, "ground", ground.kelvin, ground.reflectance),
                glass = warm(scene, "sheet", sheet.kelvin, sheet.reflectance);
@@ -214,6 +220,8 @@ TEST_CASE("S23 S24 warm paths: through an endless leaf or plate shows what the g
     const auto image = seen(simulation, 16);
     for (std::size_t b = 0; b < kCenters.size(); ++b) {
       CAPTURE(plate);
+      CAPTURE(black);
+      CAPTURE(sheet_K);
       CAPTURE(kCenters[b]);
       check_mean(mean_of(image, static_cast<int>(b)),
                  band_mean(kCenters[b],
@@ -229,4 +237,35 @@ TEST_CASE("S23 S24 warm paths: through an endless leaf or plate shows what the g
     little.threads = 1, little.tile_lines = 3, little.memory_bytes = std::size_t{32} << 20;
     CHECK(seen(simulation, 16, sky, 0, little).radiance == image.radiance);
   }
+}
+
+TEST_CASE("S16 warm paths: what stands for the surroundings does not matter where paths see all that hides the sky") {
+  // A plane far below the ground, which nothing sees, turns the mean temperature from 314 K to about 400.
+  Corner corner;
+  const auto plain = seen(corner.simulation, 24);
+  const auto hidden = warm(corner.simulation.scene, "hidden", 480, wavy(0, 0, 1));
+  test::place(corner.simulation.scene,
+              test::rectangle({-kFar_m, -kFar_m, -100}, {2 * kFar_m, 0, 0}, {0, 2 * kFar_m, 0}, hidden));
+  finish_top_tree(corner.simulation.scene);
+  corner.simulation.sky_directions = 2048;
+  const auto hot = seen(corner.simulation, 24);
+  CHECK(hot.plan.thermal.surroundings_K > plain.plan.thermal.surroundings_K + 50);
+  for (int b = 0; b < static_cast<int>(kCenters.size()); ++b) {
+    CAPTURE(b);
+    const auto one = mean_of(plain, b), other = mean_of(hot, b);
+    CHECK(std::abs(one.value - other.value) < 4.5 * std::hypot(one.error, other.error) + 2e-3 * one.value);
+    CHECK(other.error < 0.02 * one.value);
+  }
+}
+
+TEST_CASE("S16 warm paths: matter that no surface has changes no bit of them, whatever its lobes") {
+  Corner corner;
+  const auto plain = seen(corner.simulation, 4);
+  test::add_material(corner.simulation.scene, "unused", 0.3);
+  auto& unused = corner.simulation.scene.materials.back();
+  unused.front_nodes = {{0.5, {RC_SHAPE_oren_nayar, {60, 0}}}, {0.9, {RC_SHAPE_oren_nayar, {10, 0}}}};
+  unused.front = unused.front_nodes[0].shape;
+  scene::make_lobes(unused);
+  finish_top_tree(corner.simulation.scene);
+  CHECK(seen(corner.simulation, 4).radiance == plain.radiance);
 }
