@@ -157,14 +157,13 @@ class Judge {
     }
   }
 
-  /// What a basis is off by, of the worst curve and band.
-  double error(const ColumnPicks& picks, const Eigen::MatrixXd& basis) const {
+  /// What a basis is off by, of each curve and its worst band.
+  std::vector<double> errors(const ColumnPicks& picks, const Eigen::MatrixXd& basis) const {
     Eigen::MatrixXd at(basis.rows(), value_.cols());
     for (Eigen::Index k = 0; k < basis.rows(); ++k) at.row(k) = value_.row(picks.column()[static_cast<std::size_t>(k)]);
-    double worst = 0;
-    for (const auto& curve : mean_squares(value_ - basis.transpose() * at))
-      for (const double square : curve) worst = std::max(worst, square);
-    return std::sqrt(worst);
+    std::vector<double> out;
+    for (const auto& curve : mean_squares(value_ - basis.transpose() * at)) out.push_back(std::sqrt(largest_of(curve)));
+    return out;
   }
 
   /// Of the products themselves, rms over curves and bands.
@@ -194,7 +193,8 @@ class Judge {
   std::vector<double> seen_in_;  ///< so many products
 };
 
-void fit_skeleton(Bounces& out, const Plan& plan, const PathParts& parts, double share) {
+void fit_skeleton(Bounces& out, const Plan& plan, const scene::CompiledScene& scene, const PathParts& parts,
+                  double share) {
   // What plates let through comes beside what the levels count, to the viewer and from the sun.
   const int most = plan.matter.plates ? kMostFactors : std::clamp(out.levels + 1, 2, kMostFactors);
   std::vector<Factors> training = every_product(parts, most);
@@ -203,11 +203,19 @@ void fit_skeleton(Bounces& out, const Plan& plan, const PathParts& parts, double
   const Judge judge(drawn_products(parts, most, kJudging), parts);
   out.strength = judge.strength();
   Eigen::MatrixXd basis;
+  std::vector<double> errors;
   for (std::size_t count = kStep; count <= kMostWavelengths; count += kStep) {
     picks.go_on_to(count);
     basis = basis_of(picks, parts.seen);
-    out.error = judge.error(picks, basis);
+    errors = judge.errors(picks, basis);
+    out.error = largest_of(errors);
     if (out.error <= share || picks.column().size() < count) break;
+  }
+  for (std::size_t f = 0; f < parts.curves; ++f) {
+    if (parts.owner[f] == kNobody) continue;
+    const std::uint32_t owner = parts.owner[f];
+    double& error = out.material_error[scene.materials[owner - scene.materials[owner].in_family].name];
+    error = std::max(error, errors[f]);
   }
   double amplified = 0;  // where half of the usual light is, and more
   for (Eigen::Index l = 0; l < basis.cols(); ++l)
@@ -272,15 +280,15 @@ double Bounces::brightest() const {
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share) {
   plan.bounces = {};
   if (levels <= 0 || plan.first_lamp() + plan.lamps.sources() == 0) return;
-  Curves curves = factors_of(plan, scene);
-  if (curves.empty()) return;
+  PathFactors factors = factors_of(plan, scene);
+  if (factors.curve.empty()) return;
   plan.bounces.together = light_together(plan, scene);
   const std::vector<double>& together = plan.bounces.together[middle_node(plan)];
   const Curves shares = shares_of(plan, together);
   const PathHeat heat = path_heat(plan, scene, together);
-  const PathParts parts = parts_of(plan, scene, std::move(curves), together, shares, heat);
+  const PathParts parts = parts_of(plan, scene, std::move(factors), together, shares, heat);
   plan.bounces.levels = levels, plan.bounces.share = share;
-  fit_skeleton(plan.bounces, plan, parts, share);
+  fit_skeleton(plan.bounces, plan, scene, parts, share);
   if (plan.bounces.skeleton.empty()) {  // nothing reflects
     plan.bounces = {};
     return;

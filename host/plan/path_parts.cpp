@@ -92,22 +92,27 @@ void add_seen(PathParts& parts, const Plan& plan, const std::vector<double>& spe
 
 }  // namespace
 
-Curves factors_of(const Plan& plan, const scene::CompiledScene& scene) {
-  Curves out, shares;  // the latter of shapes that change with wavelength
+PathFactors factors_of(const Plan& plan, const scene::CompiledScene& scene) {
+  PathFactors out, shares;  // the latter of shapes that change with wavelength
+  const auto add = [](PathFactors& to, std::vector<double> curve, std::uint32_t owner) {
+    if (!(largest_of(curve) > 0)) return;
+    to.curve.push_back(std::move(curve)), to.owner.push_back(owner);
+  };
   for (const auto number : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[number];
-    out.push_back(sample_reflectance(material, plan.wavelength_um));
-    for (auto& share : lobe_factors(plan, material)) shares.push_back(std::move(share));
+    const std::vector<double> back = sample_reflectance(material, plan.wavelength_um);
+    add(out, back, number);
+    for (auto& share : lobe_factors(plan, material)) add(shares, std::move(share), number);
     if (!scene::lets_light_through(material) && !scene::is_plate(material)) continue;
-    const std::size_t reflectance = out.size() - 1;
-    out.push_back(sample_curve(material, material.transmittance, plan.wavelength_um));
-    out.push_back(out[reflectance]);
-    for (std::size_t i = 0; i < plan.wavelength_um.size(); ++i) out.back()[i] += out[reflectance + 1][i];
+    std::vector<double> both = sample_curve(material, material.transmittance, plan.wavelength_um);
+    add(out, both, number);
+    for (std::size_t i = 0; i < both.size(); ++i) both[i] += back[i];
+    add(out, std::move(both), number);
   }
   // Of what a gloss mirrors there is a curve less.
-  if (plan.matter.glossy) out.emplace_back(plan.wavelength_um.size(), 1.0);
-  std::move(shares.begin(), shares.end(), std::back_inserter(out));
-  std::erase_if(out, [](const auto& curve) { return !(*std::max_element(curve.begin(), curve.end()) > 0); });
+  if (plan.matter.glossy) add(out, std::vector<double>(plan.wavelength_um.size(), 1.0), kNobody);
+  std::move(shares.curve.begin(), shares.curve.end(), std::back_inserter(out.curve));
+  out.owner.insert(out.owner.end(), shares.owner.begin(), shares.owner.end());
   return out;
 }
 
@@ -144,10 +149,10 @@ Curves shares_of(const Plan& plan, const std::vector<double>& together) {
   return out;
 }
 
-PathParts parts_of(const Plan& plan, const scene::CompiledScene& scene, Curves curves,
+PathParts parts_of(const Plan& plan, const scene::CompiledScene& scene, PathFactors factors,
                    const std::vector<double>& together, const Curves& shares, const PathHeat& heat) {
   PathParts parts;
-  parts.all = std::move(curves);
+  parts.all = std::move(factors.curve), parts.owner = std::move(factors.owner);
   parts.curves = parts.all.size();
   add_seen(parts, plan, together);
   parts.warm_bands = parts.bands.size();

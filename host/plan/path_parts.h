@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "host/plan/path_heat.h"
@@ -12,9 +13,15 @@ namespace raycube::plan {
 
 using Curves = std::vector<std::vector<double>>;  ///< [curve][grid]
 
+inline constexpr std::uint32_t kNobody = 0xFFFFFFFFu;
+
+struct PathFactors {
+  Curves curve;
+  std::vector<std::uint32_t> owner;  ///< material of each; kNobody: of several
+};
 /// Every curve that light may be multiplied by, on the grid: reflectances, transmittances of leaves and plates, sums of
 /// both, and 1, a gloss's; none of what is black.
-Curves factors_of(const Plan& plan, const scene::CompiledScene& scene);
+PathFactors factors_of(const Plan& plan, const scene::CompiledScene& scene);
 
 /// What all sources but lamps send together, [h * view.count + v][grid]: Bounces::together.
 Curves light_together(const Plan& plan, const scene::CompiledScene& scene);
@@ -28,6 +35,7 @@ Curves shares_of(const Plan& plan, const std::vector<double>& together);
 struct PathParts {
   Curves all;
   std::size_t curves = 0, emitted = 0;
+  std::vector<std::uint32_t> owner;  ///< of the curves: PathFactors
   /// Of the plan, weighted by the light that falls there, that of all sources but lamps, then that of each source of
   /// lamps; each sums to 1, or to 0.
   std::vector<BandQuadrature> bands;
@@ -48,7 +56,7 @@ struct PathParts {
 };
 
 /// Curves of matter with what they are lit by, and with what they send by themselves.
-PathParts parts_of(const Plan& plan, const scene::CompiledScene& scene, Curves curves,
+PathParts parts_of(const Plan& plan, const scene::CompiledScene& scene, PathFactors factors,
                    const std::vector<double>& together, const Curves& shares, const PathHeat& heat);
 
 /// Mean of values on the grid over a band.

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -168,6 +169,7 @@ struct Bounces {
   /// Of products of curves that the fit has not seen, over what each of them shows by itself, worst band: of what is
   /// seen, where surfaces see nothing but others as bright as they are.
   double error = 0;
+  std::map<std::string, double> material_error;  ///< the same of each material that is not black, by its name
   double strength = 0;   ///< of those products, rms: what there is then of light between surfaces
   double amplified = 1;  ///< largest root of a sum of squares over the skeleton, of any wavelength
   /// [curve - 1][skeleton, padded to whole words]: kernels/light/bounce.h; with thermal light then [material]:

@@ -104,8 +104,11 @@ nlohmann::json plan_json(const Plan& plan) {
   if (const Bounces& b = plan.bounces; b.levels > 0) {
     Json skeleton = Json::array();
     for (const std::size_t i : b.skeleton) skeleton.push_back(plan.wavelength_um[i]);
-    out["bounces"] = {
-        {"levels", b.levels}, {"skeleton_um", skeleton}, {"skeleton_error", b.error}, {"amplified", b.amplified}};
+    out["bounces"] = {{"levels", b.levels},
+                      {"skeleton_um", skeleton},
+                      {"skeleton_error", b.error},
+                      {"skeleton_error_of", b.material_error},
+                      {"amplified", b.amplified}};
   }
   if (report.bounces.chosen)
     out["bounces"]["levels"] = plan.bounces.levels, out["bounces"]["missed"] = report.bounces.missed,

@@ -188,16 +188,25 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
   lines.push_back(sky);
 }
 
+/// ", most of what 'nylon' gets": of the material whose light the wavelengths along paths tell worst.
+std::string worst_told(const plan::Bounces& b) {
+  const auto less = [](const auto& one, const auto& other) { return one.second < other.second; };
+  const auto worst = std::max_element(b.material_error.begin(), b.material_error.end(), less);
+  return b.material_error.size() < 2 ? "" : fmt::format(", most of all in what '{}' gets", worst->first);
+}
+
 PlanLine bounces_line(const plan::Plan& plan) {
   const plan::Bounces& b = plan.bounces;
   const auto& [open, chosen, missed, once_missed] = plan.report.bounces;
-  std::string why = "the file asks for them; the error is the wavelengths', where surfaces see nothing but each other";
+  std::string why = "the file asks for them; the error is the wavelengths', where surfaces see nothing but each other" +
+                    worst_told(b);
   if (open) why = "whether there is enough of it a look on a device says";
   if (chosen)
     why = b.any() ? fmt::format(
                         "without it so much {}; paths end by chance; the wavelengths err by {} where surfaces see "
-                        "nothing but each other",
-                        plan.thermal.on ? "is missed, or may be" : "may be missed, from above", percent_text(b.error))
+                        "nothing but each other{}",
+                        plan.thermal.on ? "is missed, or may be" : "may be missed, from above", percent_text(b.error),
+                        worst_told(b))
                   : "light scattered once is that near, after a look at what surfaces see of each other";
   return {"between surfaces",
           b.any()
