@@ -27,9 +27,9 @@ CANOPIES = {
     "layer of LAI 5": (("--lai", "5", *FINE), 256, 128),
     "planophile, LAI 3": (("--lai", "3", "--angles", "planophile", *FINE), 256, 128),
     "erectophile, LAI 3": (("--lai", "3", "--angles", "erectophile", *FINE), 256, 128),
-    "15 crowns": (("--spheres",), 512, 128),
-    "10 000 birches": (("--stand", "birch"), 1024, 256),
-    "10 000 spruces": (("--stand", "conifer"), 1024, 256),
+    "15 crowns": (("--spheres",), 240, 120),
+    "10 000 birches": (("--stand", "birch"), 240, 120),
+    "10 000 spruces": (("--stand", "conifer"), 240, 120),
 }
 MOST_ERROR, MOST_SIGMA, LEAST_P, MOST_OFF = 0.005, 4.5, 0.001, 0.01
 
@@ -128,7 +128,7 @@ def measured(raycube, folder, arguments, samples, paths):
     if not report.exists():
         subprocess.run([sys.executable, ROOT / "scenes/rami/generate.py", folder, *arguments], check=True)
         more = f"samples = {samples}\npaths = {paths}\n"
-        text = file.read_text().replace("[[measure]]\n", f"[[measure]]\n{more}")
+        text = file.read_text().replace("[[measure]]\n", f"[[measure]]\n{more}", 2)  # the planes
         file.write_text(text)
         begun = time.monotonic()
         command = [raycube, "measure", file, "-o", folder / "out", "--overwrite", "--json"]

@@ -170,6 +170,33 @@ def by_night(work):
     check(all(float(row["background_hz"]) > 1e6 for row in pulses), pulses)
 
 
+PLATE = """[[material]]
+name = "pane"
+reflectance = 0.0
+transmittance = 0.9
+transmission = "plate"
+temperature_K = 300.0
+[[plane]]
+material = "pane"
+size_m = [4000.0, 4000.0]
+position_m = [0.0, 0.0, 20.0]
+"""
+
+
+def through_plates(work):
+    """Without air an open pane takes its transmittance of the sun's light once on its way down and once up, and of what
+    hot ground sends once."""
+    for time, material, share in ((SUN, "", 0.9**2), (NIGHT, "temperature_K = 1200.0", 0.9)):
+        found = []
+        for more in ("", PLATE):
+            file = written(work, 'model = "none"', time=time, material=material, more=more)
+            _, _, pulses = rendered(work, file)
+            found.append(float(pulses[0]["background_hz"]))
+        print(f"background through a pane: {found[1] / found[0]:.5f} for {share:.5f}")
+        # The wavelengths along paths tell light to a tenth of the tolerance of 1 %; nothing else is drawn.
+        check(abs(found[1] / found[0] / share - 1) < 2e-3, found, share)
+
+
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     # A kept table names the profile it was made of, which may be another file of the same content.
@@ -178,4 +205,5 @@ with tempfile.TemporaryDirectory() as folder:
     no_aerosol(folder)
     tables(folder)
     by_night(folder)
+    through_plates(folder)
 print(f"lidar air: {program.checks} checks")
