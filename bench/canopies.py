@@ -3,8 +3,9 @@
 
 Makes the canopies of scenes/rami/generate.py in FOLDER, takes their reflectance factors in the principal and the
 orthogonal plane every 2 degrees, their albedo and where their light goes, red and near infrared, and says how well each
-is known. Layers are held against a turbid medium's Monte Carlo written here: no geometry, draws of its own. Writes
-FOLDER/canopies.json and the tables of bench/RESULTS.md; exit 0 only if all bars are met."""
+is known. Layers are held against a turbid medium's Monte Carlo written here: no geometry, draws of its own; all views
+share its photons, so that the chance of the sum of squares is a guide and no bar. A canopy that FOLDER has measured is
+not measured again. Writes FOLDER/canopies.json; exit 0 only if all bars are met."""
 
 import argparse
 import json
@@ -31,7 +32,7 @@ CANOPIES = {
     "10 000 birches": (("--stand", "birch"), 240, 120),
     "10 000 spruces": (("--stand", "conifer"), 240, 120),
 }
-MOST_ERROR, MOST_SIGMA, LEAST_P, MOST_OFF = 0.005, 4.5, 0.001, 0.01
+MOST_ERROR, MOST_SIGMA, MOST_OFF = 0.005, 4.5, 0.01
 
 
 def direction(zenith_deg, azimuth_deg):
@@ -169,7 +170,7 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--only", nargs="+", choices=CANOPIES, default=list(CANOPIES), metavar="NAME")
     options = parser.parse_args()
-    rng, missed, results = np.random.default_rng(5), [], {}
+    missed, results = [], {}
     for name in options.only:
         arguments, samples, paths = CANOPIES[name]
         found, seconds = measured(
@@ -186,10 +187,10 @@ def main():
         print("   light:", json.dumps(found["light"])[:600])
         if "layer" not in name and "LAI" not in name:
             continue
-        for band, (count, apart, p, ratio) in enumerate(against_turbid(found, arguments, rng)):
+        for band, (count, apart, p, ratio) in enumerate(against_turbid(found, arguments, np.random.default_rng(5))):
             results[name][f"turbid_{band}"] = {"views": count, "apart": apart, "p": p, "ratio": ratio}
             print(f"   band {band}: {count} views outside the hot spot, {apart:.2f} apart, p {p:.3g}, mean {ratio:.4f}")
-            if apart > MOST_SIGMA or p < LEAST_P or abs(ratio - 1) > MOST_OFF:
+            if apart > MOST_SIGMA or abs(ratio - 1) > MOST_OFF:
                 missed.append(f"{name}, band {band}: {apart:.2f} standard errors, p {p:.2g}, ratio {ratio:.4f}")
     (options.folder / "canopies.json").write_text(json.dumps(results, indent=1))
     for line in missed:

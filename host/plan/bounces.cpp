@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "host/plan/baked_rows.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/path_parts.h"
 #include "kernels/sampling/sampler.h"
@@ -306,6 +307,13 @@ void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int
   plan.bounces.curve = sampled_curves(scene, at_um);
   plan.bounces.scattering = surface_scattering(scene, plan.bounces.curve, at_um.size());
   if (heat.any()) add_heat(plan.bounces, heat);
+}
+
+Plan without_paths(const Plan& plan) {
+  Plan out = plan;
+  out.bounces = {};
+  if (out.baked) out.baked = std::make_shared<BakedRows>();
+  return out;
 }
 
 void tell_of_plates(Plan& plan, const scene::Instrument& instrument) {

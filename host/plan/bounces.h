@@ -32,6 +32,8 @@ inline constexpr double kMostAmplified = 4;  ///< that the skeleton may make of 
 /// curves shows by itself, rms over the products that it is in, of the worst curve and band; 128 at most, and all of a
 /// shorter grid.
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share);
+/// The same plan without light between surfaces. It bakes its own rows: a plate's are others with paths.
+Plan without_paths(const Plan& plan);
 /// After it: notices of what cameras do not see through plates.
 void tell_of_plates(Plan& plan, const scene::Instrument& instrument);
 

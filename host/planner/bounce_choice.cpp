@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include <fmt/format.h>
 
-#include "host/plan/baked_rows.h"
 #include "host/plan/bounces.h"
 #include "host/planner/open_share.h"
 #include "host/planner/trial_pixels.h"
@@ -82,9 +80,7 @@ bool choose_bounces(render::Renderer& renderer, const scene::Simulation& simulat
   report = {false, true, drop ? once_missed : missed < kNothing ? 0 : missed, once_missed};
   plan.report.total_error = std::hypot(plan.report.total_error, report.missed);
   plan.report.within_tolerance = plan.report.total_error <= plan.tolerance;
-  if (drop) plan.bounces = {};
-  if (drop && plan.baked)
-    plan.baked = std::make_shared<plan::BakedRows>();  // rows of the skeleton are none of this one's
+  if (drop) plan = plan::without_paths(plan);
   return drop;
 }
 

@@ -188,11 +188,14 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
   lines.push_back(sky);
 }
 
-/// ", most of what 'nylon' gets": of the material whose light the wavelengths along paths tell worst.
+/// ", most of all in what 'nylon' gets": of the material whose light the wavelengths along paths tell worst; nothing
+/// where that is what a gloss mirrors.
 std::string worst_told(const plan::Bounces& b) {
   const auto less = [](const auto& one, const auto& other) { return one.second < other.second; };
   const auto worst = std::max_element(b.material_error.begin(), b.material_error.end(), less);
-  return b.material_error.size() < 2 ? "" : fmt::format(", most of all in what '{}' gets", worst->first);
+  return b.material_error.size() < 2 || worst->second < b.error
+             ? ""
+             : fmt::format(", most of all in what '{}' gets", worst->first);
 }
 
 PlanLine bounces_line(const plan::Plan& plan) {

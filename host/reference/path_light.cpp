@@ -14,12 +14,6 @@
 
 namespace raycube::reference {
 
-namespace {
-
-constexpr int kOpenSteps = 256;  ///< of an open sky's integral, each way
-
-}  // namespace
-
 bool PathGains::carry(double factor, const Spectrum& times) {
   double most = 0;
   for (std::size_t i = 0; i < carried.size(); ++i) most = std::max(most, carried[i] *= factor * times[i]);
@@ -51,12 +45,7 @@ PathLight::PathLight(const ReferenceScene& scene, const plan::Plan& plan)
   const Reflectances albedo = ground_albedos(scene.compiled, plan.wavelength_um);
   for (std::size_t m = 0; m < plan.environment.mean.size(); ++m)
     for (std::size_t i = 0; i < ground_.size(); ++i) ground_[i] += plan.environment.mean[m] * albedo[m][i];
-  for (int a = 0; a < kOpenSteps; ++a)
-    for (int b = 0; b < kOpenSteps; ++b) {
-      const auto light = sky_light(plan, by_cosine({0, 0, 1}, (a + 0.5) / kOpenSteps, (b + 0.5) / kOpenSteps));
-      for (std::size_t c = 0; c < static_cast<std::size_t>(plan.sky_components); ++c)
-        open_[c] += std::numbers::pi * light[c] / (kOpenSteps * kOpenSteps);
-    }
+  if (plan.sky_components > 0) open_ = unoccluded_irradiance(plan.irradiance, {0, 0, 1});
 }
 
 PathGains PathLight::unit() const {

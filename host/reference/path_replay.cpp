@@ -19,7 +19,10 @@ constexpr std::uint32_t kPathDimension = 25, kFirstWays = 0x2545f491;  ///< of r
 constexpr double kAtTheChance = 1e-6;  ///< a draw so near to a chance may fall to either side of it
 constexpr float kGrazing = 1e-5f;      ///< cosine of a ray that roundings may turn into the surface
 constexpr double kFrameTurns = 0.83;   ///< height of a normal where rc_about takes another frame
-constexpr double kStartOffUlp = 4096;  ///< from a surface where a ray may start, in ulp of its place
+constexpr double kStartOffUlp = 256;   ///< off its surface, or along it, where a ray may start, in ulp of its place
+constexpr double kGlossOffUlp = 64;    ///< of a mirrored way's weight, over the cosines that it divides by
+constexpr double kNormalOffUlp = 16;   ///< of a triangle's normal, times how slender it is
+constexpr double kLeastLight = 1e-9;   ///< of the light together: where that is darker, sources have no share of it
 constexpr double kLeastLine = 1e-3;    ///< of a pixel's brightest wavelength: what is darker is held against that
 constexpr double kOfGloss = 10;        ///< mirrored ways carry the rounding of the way to the viewer, too
 
@@ -31,6 +34,14 @@ double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v
 double chance_of(rc_id side, double near, double gloss) {
   if (side == RC_GLOSS_SIDE) return gloss;
   return (side == RC_FAR_SIDE ? 1 - near : near) * (1 - gloss);
+}
+
+/// The side of a surface by which a path goes on; null: it has none.
+const Sample* side_of(const SampledPixel& at, rc_id number) {
+  const std::vector<Sample>& sides = number == RC_NEAR_SIDE  ? at.samples
+                                     : number == RC_FAR_SIDE ? at.far_sides
+                                                             : at.glosses;
+  return sides.empty() || sides.front().hit.miss() ? nullptr : &sides.front();
 }
 
 /// The plan at the wavelengths along its paths.
@@ -74,17 +85,19 @@ PathReplay::PathReplay(const ReferenceScene& scene, const plan::Plan& plan, cons
       sample_seed_(seed),
       lines_(at_lines(plan)),
       light_(scene, lines_) {
-  const std::size_t lines = plan.bounces.skeleton.size(), padded = RC_PADDED(lines),
-                    middle = static_cast<std::size_t>(plan.height.count / 2 * plan.view.count);
-  for (std::size_t s = 0; s < static_cast<std::size_t>(plan.first_lamp()); ++s) {
-    Spectrum& share = share_.emplace_back();
-    for (std::size_t m = 0; m < lines; ++m)
-      share.push_back(static_cast<double>(plan.bounces.source_share[s * padded + m]));
-  }
-  for (const std::size_t i : plan.bounces.skeleton) {
-    const double together = plan.bounces.together[middle][i];
-    emitted_share_.push_back(plan.thermal.on && together > 0 ? plan.transmission_spectrum[middle][i] / together : 0);
-  }
+  const auto middle = static_cast<std::size_t>(plan.height.count / 2 * plan.view.count),
+             nodes = static_cast<std::size_t>(plan.height.count * plan.view.count);
+  const std::vector<double>& together = plan.bounces.together[middle];
+  const double least = kLeastLight * *std::max_element(together.begin(), together.end());
+  const auto share_of = [&](const std::vector<double>& light) {
+    Spectrum out;
+    for (const std::size_t i : plan.bounces.skeleton) out.push_back(together[i] > least ? light[i] / together[i] : 0);
+    return out;
+  };
+  for (std::size_t s = 0; s < static_cast<std::size_t>(plan.first_lamp()); ++s)
+    share_.push_back(share_of(plan.source_spectrum[s * nodes + middle]));
+  emitted_share_ =
+      plan.thermal.on ? share_of(plan.transmission_spectrum[middle]) : Spectrum(plan.bounces.skeleton.size(), 0.0);
 }
 
 float PathReplay::draw(const Pixel& pixel, const Path& path, int level, std::uint32_t what) const {
@@ -121,9 +134,21 @@ bool PathReplay::open(Pixel& pixel, const Sample& from, const glm::dvec3& way, b
   return device;
 }
 
+/// Off the surface on the side that it leaves, and near the point; seen slantingly that slides along the surface.
 void PathReplay::compare_start(Pixel& pixel, const Sample& side, const shared::PathStep& step) const {
-  const double off = glm::length(start_of(step) - side.point), most = kStartOffUlp * scene_.point_ulp_m(side);
-  if (!(off <= most)) pixel.wrong(pixel.found.ways_wrong);
+  const glm::dvec3 off = start_of(step) - side.point;
+  const double along = glm::dot(off, side.normal), most = kStartOffUlp * scene_.point_ulp_m(side),
+               cosine = std::abs(glm::dot(side.normal, glm::normalize(to_double(side.ray.direction))));
+  if (!(along > 0 && along <= most && glm::length(off - along * side.normal) <= most / std::max(cosine, 1e-6)))
+    pixel.wrong(pixel.found.ways_wrong);
+  // A flat triangle is not met by a ray that leaves it.
+  if (step.instance == side.hit.instance && step.primitive == side.hit.primitive) pixel.wrong(pixel.found.ways_wrong);
+}
+
+double PathReplay::slender(const Hit& hit) const {
+  const glm::dvec3 a = vertex(scene_.compiled, hit.primitive, 0), e1 = vertex(scene_.compiled, hit.primitive, 1) - a,
+                   e2 = vertex(scene_.compiled, hit.primitive, 2) - a;
+  return glm::length(e1) * glm::length(e2) / std::max(glm::length(glm::cross(e1, e2)), 1e-300);
 }
 
 ::SkyRay PathReplay::own_way(const Sample& side, float u, float v) const {
@@ -141,9 +166,10 @@ double PathReplay::leaving_weight(Pixel& pixel, const Sample& side, float u, flo
   const bool mirrored = side.side == RC_GLOSS_SIDE;
   const ::SkyRay own = own_way(side, u, v);
   compare_start(pixel, side, step);
+  const double rounded = kNormalOffUlp * kUlp * slender(side.hit) + 4 * kUlp / std::sqrt(std::max(double{u}, 1e-8));
   if (std::abs(std::abs(side.normal.z) - kFrameTurns) > kAtTheChance)
     pixel.compare_way(largest(way - glm::dvec3(own.x, own.y, own.z)),
-                      (mirrored ? kOfGloss : 1) * ReplayReport::kMostWayOff);
+                      (mirrored ? kOfGloss : 1) * (ReplayReport::kMostWayOff + rounded));
   if (!mirrored) return 1;
   const double facing = std::max(0.0, glm::dot(way, side.normal)),
                density = 0.5 * (facing / std::numbers::pi + mirrored_density(scene_.compiled, side, way));
@@ -154,7 +180,9 @@ void PathReplay::add_sun(Pixel& pixel, Path& path, const SampledPixel& at, bool 
   const glm::dvec3 sun = to_double(plan_.sun_direction);
   bool asked = false;
   for (const Sample* side : sides_of(at)) {
-    if (!plan_.sun_up || plan_.sun_sources == 0 || !(side->cos_sun > 0)) continue;
+    if (!plan_.sun_up || plan_.sun_sources == 0) continue;
+    if (std::abs(side->cos_sun) < kAtTheChance) asked = true;  // the sun in the surface: to either side, by rounding
+    if (!(side->cos_sun > 0)) continue;
     if (side->side != RC_GLOSS_SIDE) open(pixel, *side, sun, lit);
     asked = true;
     if (lit) path.light.add(0, side->cos_sun, light_.scattered(*side, sun));
@@ -174,9 +202,16 @@ bool PathReplay::begin(Pixel& pixel, Path& path) const {
   const Law law = law_of(near.hit);
   const rc_id number =
       side_by_draw(pixel, static_cast<double>(draw(pixel, path, 0, 0)), law, sent ? step.slot & 3u : RC_STEP_ENDS);
-  const Sample& side = number == RC_NEAR_SIDE  ? near
-                       : number == RC_FAR_SIDE ? pixel.sampled.far_sides[path.sample]
-                                               : pixel.sampled.glosses[path.sample];
+  SampledPixel here;
+  here.samples = {near};
+  if (!pixel.sampled.far_sides.empty()) here.far_sides = {pixel.sampled.far_sides[path.sample]};
+  if (!pixel.sampled.glosses.empty()) here.glosses = {pixel.sampled.glosses[path.sample]};
+  const Sample* there = side_of(here, number);
+  if (!there) {
+    pixel.wrong(pixel.found.decisions_wrong);
+    return false;
+  }
+  const Sample& side = *there;
   float u, v;
   rc_sky_draws(seed_ ^ kFirstWays, pixel.sampled.number, path.number, &u, &v);
   if (!sent) {  // only what would go into the surface is not
@@ -184,11 +219,22 @@ bool PathReplay::begin(Pixel& pixel, Path& path) const {
     return false;
   }
   const double weight = leaving_weight(pixel, side, u, v, step) / chance_of(number, law.near, law.gloss);
-  pixel.compare_way(std::abs(static_cast<double>(step.start.w) / weight - 1), kOfGloss * ReplayReport::kMostWayOff);
-  pixel.compare_way(std::abs(static_cast<double>(step.way.w) / path.scale - 1));
   const glm::dvec3 way = way_of(step);
+  double most = ReplayReport::kMostWayOff;
+  if (number == RC_GLOSS_SIDE) {  // by floats: the cosine with the normal, and the facet between the ways
+    const glm::dvec3 viewer = -glm::normalize(to_double(side.ray.direction));
+    const scene::Shape& shape = *scene::gloss_of(scene_.compiled, side.hit.primitive);
+    const double facing = std::max(1e-9, glm::dot(way, side.normal)),
+                 facet =
+                     std::max(1e-9, rc_shape_roughness(shape.number, shape.parameters()) * glm::length(way + viewer));
+    most = kOfGloss * most + kGlossOffUlp * kUlp * (1 / facing + 1 / facet);
+  }
+  pixel.compare_way(std::abs(static_cast<double>(step.start.w) / weight - 1), most);
+  const double usual = 1e-6 / static_cast<double>(pixel.sampled.samples.size());
+  pixel.compare_way(std::abs(static_cast<double>(step.way.w) - path.scale) / std::max(path.scale, usual));
   const bool met = step.decided & RC_STEP_MET;
-  if (way.z > 0 ? open(pixel, side, way, !met) : !met) return false;
+  if (!(way.z > 0) && !met) pixel.wrong(pixel.found.decisions_wrong);  // the ground around lies there
+  if (way.z > 0 && open(pixel, side, way, !met)) return false;
   path.light = light_.unit();
   path.reach = number == RC_GLOSS_SIDE ? 1 : law.most;
   return path.light.carry(weight, light_.scattered(side, way));
@@ -212,13 +258,15 @@ bool PathReplay::go_on(Pixel& pixel, Path& path, const SampledPixel& at, int lev
     if (survives != went && near) survives = went, ++pixel.found.decisions_near;
     chance *= goes_on, path.reach /= goes_on;
   }
+  const Sample* there = side_of(at, number);
+  const float u = draw(pixel, path, level, 2), v = draw(pixel, path, level, 3);
   // A mirrored way may point into the surface: then it ends as well.
-  if (survives != went && !(survives && number == RC_GLOSS_SIDE)) pixel.wrong(pixel.found.decisions_wrong);
-  if (!went) return false;
-  const Sample& side = number == RC_NEAR_SIDE ? at.samples[0] : number == RC_FAR_SIDE ? at.far_sides[0] : at.glosses[0];
+  const bool inwards = there && number == RC_GLOSS_SIDE && !(own_way(*there, u, v).facing > kGrazing);
+  if (!there || (survives != went && !(survives && inwards))) pixel.wrong(pixel.found.decisions_wrong);
+  if (!went || !there) return false;
+  const Sample& side = *there;
   const shared::PathStep& next = path.steps[l];
-  const double weight =
-      leaving_weight(pixel, side, draw(pixel, path, level, 2), draw(pixel, path, level, 3), next) / chance;
+  const double weight = leaving_weight(pixel, side, u, v, next) / chance;
   path.light.carry(weight, light_.scattered(side, way_of(next)));
   if (level == plan_.bounces.levels && next.way.z > 0 && open(pixel, side, way_of(next), !(next.decided & RC_STEP_MET)))
     light_.add_sky(way_of(next), path.light);
@@ -232,7 +280,10 @@ void PathReplay::follow(Pixel& pixel, Path& path) const {
     const Hit hit{step.instance, step.primitive};
     const Cause cause = scene_.tracer.explain(ray, hit, scene_.embree.intersect(ray));
     ++pixel.found.hits[static_cast<std::size_t>(cause)], ++pixel.found.steps;
-    if (cause == Cause::unexplained) pixel.excluded = true;
+    if (cause == Cause::unexplained) {
+      pixel.excluded = true;
+      return;
+    }
     if (hit.miss()) {
       if (!(step.way.z > 0))
         light_.add_ground(start_of(step), path.light);
@@ -286,7 +337,9 @@ ReplayReport PathReplay::replay(const PixelAddress& address, std::span<const Hit
   const double brightest = *std::max_element(pixel.size.begin(), pixel.size.end());
   for (std::size_t m = 0; m < lines && !pixel.excluded; ++m) {
     const double off = std::abs(glow[m] - pixel.sum[m]);
-    if (off > 0) pixel.found.worst = std::max(pixel.found.worst, off / std::max(pixel.size[m], kLeastLine * brightest));
+    if (!(off <= 0))
+      pixel.found.worst =
+          std::isfinite(off) ? std::max(pixel.found.worst, off / std::max(pixel.size[m], kLeastLine * brightest)) : NAN;
   }
   return pixel.found;
 }

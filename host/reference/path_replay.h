@@ -1,7 +1,8 @@
 // The device's own paths between surfaces, walked again (docs/light.md): every ray that it sent is traced by Embree and
-// judged in double, every direction, weight and decision is found anew from the draws, and what the paths bring is
-// summed in double at the wavelengths along them. Where the two answer a ray differently and both may be right, the
-// device's answer is followed.
+// judged in double, every direction and decision and the weights of first rays are found anew from the draws, and what
+// the paths bring is summed in double at the wavelengths along them. Where the two answer a ray differently and both
+// may be right, the device's answer is followed. Taken from the plan are the chances of sides and the largest
+// reflectances that end paths, and what lies between the wavelengths; lamplight is not looked at.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +40,8 @@ class PathReplay {
   bool open(Pixel& pixel, const Sample& from, const glm::dvec3& way, bool device) const;
   /// Direction that u and v draw from a side, turned as the device does, by floats.
   ::SkyRay own_way(const Sample& side, float u, float v) const;
+  /// Sides over height of a triangle, about: how much more than 1 ulp its normal may be off.
+  double slender(const Hit& hit) const;
   void compare_start(Pixel& pixel, const Sample& side, const shared::PathStep& step) const;
   /// How much more than by Lambert's law a way is worth that was drawn from a side by u and v.
   double leaving_weight(Pixel& pixel, const Sample& side, float u, float v, const shared::PathStep& step) const;

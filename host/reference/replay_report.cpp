@@ -1,14 +1,16 @@
 #include "host/reference/replay_report.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/reference/report_text.h"
 
 namespace raycube::reference {
 
 void ReplayReport::add(const ReplayReport& other) {
-  if (other.worst > worst || pixels == 0) worst_line = other.worst_line, worst_sample = other.worst_sample;
-  worst = std::max(worst, other.worst), worst_way = std::max(worst_way, other.worst_way);
+  if (!(other.worst <= worst) || pixels == 0) worst_line = other.worst_line, worst_sample = other.worst_sample;
+  worst = std::isnan(other.worst) ? other.worst : std::max(worst, other.worst),
+  worst_way = std::max(worst_way, other.worst_way);
   pixels += other.pixels, paths += other.paths, steps += other.steps;
   for (std::size_t i = 0; i < hits.size(); ++i) hits[i] += other.hits[i];
   asked += other.asked, asked_explained += other.asked_explained, asked_unexplained += other.asked_unexplained;
@@ -25,7 +27,8 @@ std::vector<std::string> ReplayReport::failures() const {
   none(asked_unexplained, "answers to whether something hides a light are contradicted in double");
   none(decisions_wrong, "decisions are others than their draws and chances make them");
   none(ways_wrong, "directions or weights are not their own formulas'");
-  if (worst > kMostOff)
+  none(other_bits, "tiles are rendered otherwise by the program that hands over its steps");
+  if (!(worst <= kMostOff))
     out.push_back("paths between surfaces, replayed, bring other light than the device's: " + three_digits(worst) +
                   " of it at line " + std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) +
                   " (limit " + three_digits(kMostOff) + ")");

@@ -20,7 +20,8 @@ struct ReplayReport {
   std::uint64_t decisions = 0, decisions_near = 0, decisions_wrong = 0;  ///< near: the draw at the chance, to rounding
   std::uint64_t ways_wrong = 0;                                          ///< directions and weights
   std::uint64_t excluded_pixels = 0;                                     ///< with anything unexplained or wrong
-  double worst_way = 0;
+  std::uint64_t other_bits = 0;  ///< tiles that the program which hands over steps renders otherwise
+  double worst_way = 0;          ///< over its limit, times kMostWayOff
   double worst = 0;  ///< of the other pixels, of the sum of what the paths bring without regard to its sign
   std::uint32_t worst_line = 0, worst_sample = 0;
 

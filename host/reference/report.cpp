@@ -50,14 +50,14 @@ nlohmann::ordered_json json_of(const BouncedReport& report) {
     out["reference"].push_back(band.reference);
     out["standard_error"].push_back(band.error);
     out["apart"].push_back(report.apart(band));
+    out["reference_size"].push_back(band.size);
   }
   return out;
 }
 
 nlohmann::ordered_json json_of(const ReplayReport& report) {
   nlohmann::ordered_json hits;
-  for (std::size_t cause = 0; cause < kCauses; ++cause)
-    hits[cause_name(static_cast<Cause>(cause))] = report.hits[cause];
+  for (std::size_t cause = 0; cause < kCauses; ++cause) hits[key_of(static_cast<Cause>(cause))] = report.hits[cause];
   return {{"pixels", report.pixels},
           {"pixels_left_out", report.excluded_pixels},
           {"paths", report.paths},
@@ -71,7 +71,11 @@ nlohmann::ordered_json json_of(const ReplayReport& report) {
           {"decisions_wrong", report.decisions_wrong},
           {"directions_wrong", report.ways_wrong},
           {"worst_direction", report.worst_way},
+          {"limit_direction", ReplayReport::kMostWayOff},
+          {"other_bits", report.other_bits},
           {"worst", report.worst},
+          {"worst_line", report.worst_line},
+          {"worst_sample", report.worst_sample},
           {"limit", ReplayReport::kMostOff}};
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "host/base/parallel.h"
+#include "host/plan/bounces.h"
 #include "host/reference/bounced_light.h"
 #include "host/reference/path_replay.h"
 #include "host/sensors/ray_groups.h"
@@ -30,8 +31,7 @@ std::vector<std::vector<float>> added_by_paths(render::Renderer& renderer, const
                                                const std::vector<render::Tile>& tiles) {
   std::vector<render::PixelDraw> draws;
   for (std::uint32_t draw = 0; draw < kBouncedDraws; ++draw) draws.push_back({simulation.seed, draw});
-  plan::Plan once = plan;
-  once.bounces = {};
+  const plan::Plan once = plan::without_paths(plan);
   auto out = renderer.draws_of(instrument, plan, simulation.sun, draws, tiles);
   const auto without = renderer.draws_of(instrument, once, simulation.sun, draws, tiles);
   for (std::size_t d = 0; d < out.size(); ++d)
@@ -129,27 +129,32 @@ reference::ReplayReport replay_paths(render::Renderer& renderer, const scene::Si
   plan::Plan logged = plan;
   logged.bounces.logged = true;
   const std::uint64_t steps_of_pixel = static_cast<std::uint64_t>(plan.paths()) * (plan.bounces.levels + 1);
-  const std::uint64_t pixels =
-      std::clamp<std::uint64_t>(kMostSteps / steps_of_pixel, 1, std::min(options.pixels, kReplayedPixels));
+  const std::uint64_t pixels = std::clamp<std::uint64_t>(kMostSteps / steps_of_pixel, 1,
+                                                         std::clamp<std::uint64_t>(options.pixels, 1, kReplayedPixels));
+  const auto tiles = render::pick_tiles(in_full, simulation.seed, pixels);
+  // Handing over steps takes another program: it must be the same to the bit.
+  std::vector<std::vector<float>> rendered;
+  renderer.probe(in_full, plan, simulation.sun, simulation.seed, tiles,
+                 [&](const render::PixelProbe& probe) { rendered.push_back(probe.radiance); });
+  std::size_t tile = 0;
   const reference::ReferenceScene scene(simulation.scene);
   const reference::PathReplay replay(scene, logged, in_full, simulation.seed);
   const int width = sensors::pixels_per_group(in_full);
-  renderer.probe(in_full, logged, simulation.sun, simulation.seed, render::pick_tiles(in_full, simulation.seed, pixels),
-                 [&](const render::PixelProbe& probe) {
-                   const std::size_t count = probe.tile.pixels(), samples = static_cast<std::size_t>(probe.samples),
-                                     steps = probe.steps.size() / count, lines = probe.glow.size() / count;
-                   std::vector<reference::ReplayReport> found(count);
-                   base::for_each_index(count, options.threads, [&](std::size_t p) {
-                     std::vector<reference::Hit> hits;
-                     for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
-                       hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
-                     found[p] = replay.replay(address_of(probe, p, width), hits,
-                                              std::span(probe.steps).subspan(p * steps, steps),
-                                              std::span(probe.glow).subspan(p * lines, lines));
-                   });
-                   for (const auto& pixel : found) report.add(pixel);
-                   if (progress) progress(count);
-                 });
+  renderer.probe(in_full, logged, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe& probe) {
+    const std::size_t count = probe.tile.pixels(), samples = static_cast<std::size_t>(probe.samples),
+                      steps = probe.steps.size() / count, lines = probe.glow.size() / count;
+    std::vector<reference::ReplayReport> found(count);
+    base::for_each_index(count, options.threads, [&](std::size_t p) {
+      std::vector<reference::Hit> hits;
+      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
+        hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
+      found[p] = replay.replay(address_of(probe, p, width), hits, std::span(probe.steps).subspan(p * steps, steps),
+                               std::span(probe.glow).subspan(p * lines, lines));
+    });
+    for (const auto& pixel : found) report.add(pixel);
+    report.other_bits += probe.radiance != rendered.at(tile++);
+    if (progress) progress(count);
+  });
   return report;
 }
 

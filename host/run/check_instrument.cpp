@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "host/plan/bounces.h"
 #include "host/render/tile_passes.h"
 #include "host/run/check_bounced.h"
 #include "host/sensors/ray_groups.h"
@@ -34,8 +35,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
   compare.model_pixels = options.model_pixels;
   compare.model_directions = options.model_directions;
   compare.beside_paths = plan.bounces.any();
-  plan::Plan once = plan;
-  once.bounces = {};  // light between surfaces is check_bounced's matter
+  const plan::Plan once = plan::without_paths(plan);  // light between surfaces is check_bounced's matter
   reference::Comparison comparison(simulation.scene, once, instrument, simulation.seed, compare);
   const int width = sensors::pixels_per_group(instrument);
   std::vector<reference::DevicePixel> waiting;

@@ -283,8 +283,7 @@ MeasureResult measure(render::Renderer& renderer, const render::RenderOptions& o
   // Nothing of a plan without air depends on where one looks from.
   const CameraJob job =
       prepare_camera(simulation, camera_of(measure, out.views.front(), level, measure.center_m, bands), services);
-  plan::Plan once = job.plan;
-  once.bounces = {};
+  const plan::Plan once = plan::without_paths(job.plan);
   Batches sum_all, sum_single;
   const Step step(services, "views of " + measure.name, out.views.size(), "directions");
   for (std::size_t v = 0; v < out.views.size(); ++v) {

