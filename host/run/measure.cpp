@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/base/units.h"
+#include "host/plan/bounces.h"
 #include "host/plan/quadrature.h"
 #include "host/render/replicates.h"
 #include "host/run/air_table.h"

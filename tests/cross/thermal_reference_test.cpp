@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <memory>
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/interpolate.h"
