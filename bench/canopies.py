@@ -29,7 +29,7 @@ CANOPIES = {
     "planophile, LAI 3": (("--lai", "3", "--angles", "planophile", *FINE), 256, 128),
     "erectophile, LAI 3": (("--lai", "3", "--angles", "erectophile", *FINE), 256, 128),
     "15 crowns": (("--spheres",), 240, 120),
-    "10 000 birches": (("--stand", "birch"), 240, 120),
+    "10 000 birches": (("--stand", "birch"), 320, 120),
     "10 000 spruces": (("--stand", "conifer"), 240, 120),
 }
 MOST_ERROR, MOST_SIGMA, MOST_OFF = 0.005, 4.5, 0.01
