@@ -8,7 +8,6 @@
 
 #include "host/base/interrupt.h"
 #include "kernels/sampling/sky_rays.h"
-#include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::reference {

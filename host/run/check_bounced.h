@@ -1,4 +1,5 @@
-// Light between surfaces: the device's sums over some pixels against paths of the reference.
+// Light between surfaces: the device's sums over some pixels against paths of the reference, and the device's own
+// paths, replayed.
 #pragma once
 
 #include <functional>
