@@ -23,7 +23,8 @@ constexpr double kGlossOffUlp = 64;    ///< of a mirrored way's weight, over the
 constexpr double kNormalOffUlp = 16;   ///< of a triangle's normal, times how slender it is
 constexpr double kLeastLight = 1e-9;   ///< of the light together: where that is darker, sources have no share of it
 constexpr double kLeastLine = 1e-3;    ///< of a pixel's brightest wavelength: what is darker is held against that
-constexpr double kOfGloss = 10;        ///< mirrored ways carry the rounding of the way to the viewer, too
+constexpr double kLeastGlow = 1e-30;  ///< of the light together: nearer to the least that floats tell, they lose digits
+constexpr double kOfGloss = 10;       ///< mirrored ways carry the rounding of the way to the viewer, too
 
 glm::dvec3 start_of(const shared::PathStep& step) { return {step.start.x, step.start.y, step.start.z}; }
 glm::dvec3 way_of(const shared::PathStep& step) { return {step.way.x, step.way.y, step.way.z}; }
@@ -338,7 +339,9 @@ ReplayReport PathReplay::replay(const PixelAddress& address, std::span<const Hit
     const double off = std::abs(glow[m] - pixel.sum[m]);
     if (!(off <= 0))
       pixel.found.worst =
-          std::isfinite(off) ? std::max(pixel.found.worst, off / std::max(pixel.size[m], kLeastLine * brightest)) : NAN;
+          std::isfinite(off)
+              ? std::max(pixel.found.worst, off / std::max({pixel.size[m], kLeastLine * brightest, kLeastGlow}))
+              : NAN;
   }
   return pixel.found;
 }
