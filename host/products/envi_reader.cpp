@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -34,41 +35,53 @@ bool ends_with_hdr(const std::string& path) {
   return tail == ".hdr" || tail == ".HDR";
 }
 
+/// Numbers of a file's bytes, both `in` and `out` at strides.
 template <class T>
-double as_double(const unsigned char* bytes, bool swap) {
-  unsigned char raw[sizeof(T)];
-  std::memcpy(raw, bytes, sizeof(T));
-  if (swap) std::reverse(raw, raw + sizeof(T));
-  T value;
-  std::memcpy(&value, raw, sizeof(T));
-  return static_cast<double>(value);
+void decode(const unsigned char* in, std::size_t in_bytes, std::size_t count, bool swap, double* out,
+            std::size_t out_stride) {
+  const auto value = [&](const unsigned char* bytes) {
+    T number;
+    std::memcpy(&number, bytes, sizeof(T));
+    return static_cast<double>(number);
+  };
+  if (swap && sizeof(T) > 1) {
+    for (std::size_t i = 0; i < count; ++i) {
+      unsigned char turned[sizeof(T)];
+      std::reverse_copy(in + i * in_bytes, in + i * in_bytes + sizeof(T), turned);
+      out[i * out_stride] = value(turned);
+    }
+  } else if (in_bytes == sizeof(T) && out_stride == 1) {  // known strides: eight at a time
+    for (std::size_t i = 0; i < count; ++i) out[i] = value(in + i * sizeof(T));
+  } else {
+    for (std::size_t i = 0; i < count; ++i) out[i * out_stride] = value(in + i * in_bytes);
+  }
 }
 
-using Decode = double (*)(const unsigned char*, bool);
+using Decode = void (*)(const unsigned char*, std::size_t, std::size_t, bool, double*, std::size_t);
 
 /// Decoder of one component of a data type.
 Decode decoder(int data_type) {
   switch (data_type) {
     case 1:
-      return as_double<std::uint8_t>;
+      return decode<std::uint8_t>;
     case 2:
-      return as_double<std::int16_t>;
+      return decode<std::int16_t>;
     case 3:
-      return as_double<std::int32_t>;
+      return decode<std::int32_t>;
     case 4:
     case 6:
-      return as_double<float>;
+      return decode<float>;
     case 5:
     case 9:
-      return as_double<double>;
+      return decode<double>;
     case 12:
-      return as_double<std::uint16_t>;
+      return decode<std::uint16_t>;
     case 13:
-      return as_double<std::uint32_t>;
+      return decode<std::uint32_t>;
     case 14:
-      return as_double<std::int64_t>;
+      return decode<std::int64_t>;
     default:
-      return as_double<std::uint64_t>;
+      return decode<std::uint64_t>;
   }
 }
 
@@ -148,37 +161,51 @@ std::size_t EnviReader::values_per_pixel() const {
 }
 
 std::vector<double> EnviReader::read_lines(std::int64_t first, std::int64_t count) const {
+  std::vector<std::size_t> bands(static_cast<std::size_t>(state_->header.bands));
+  std::iota(bands.begin(), bands.end(), std::size_t{0});
+  std::vector<double> out;
+  read_bands(first, count, bands, out);
+  return out;
+}
+
+void EnviReader::read_bands(std::int64_t first, std::int64_t count, std::span<const std::size_t> chosen,
+                            std::vector<double>& out) const {
   const State& s = *state_;
   const EnviHeader& h = s.header;
   if (first < 0 || count < 0 || first + count > h.lines)
     throw Error(Fault::bug,
                 fmt::format("{}: lines {} to {} of {} asked for", s.paths.data, first, first + count, h.lines));
-  const std::size_t samples = static_cast<std::size_t>(h.samples), bands = static_cast<std::size_t>(h.bands);
-  const std::size_t bytes = h.type().bytes, parts = static_cast<std::size_t>(h.type().components),
-                    part_bytes = bytes / parts;
+  const std::size_t samples = static_cast<std::size_t>(h.samples), bands = static_cast<std::size_t>(h.bands),
+                    bytes = h.type().bytes, parts = static_cast<std::size_t>(h.type().components),
+                    part_bytes = bytes / parts, lines = static_cast<std::size_t>(count), line_bytes = samples * bytes;
   const bool swap = (h.byte_order == 1) != (std::endian::native == std::endian::big);
-  const Decode decode = decoder(h.data_type);
-  const std::size_t line_bytes = samples * bands * bytes;
-  std::vector<double> out(static_cast<std::size_t>(count) * samples * bands * parts);
-  std::vector<unsigned char> raw(h.interleave == Interleave::bsq ? samples * bytes : line_bytes);
-  for (std::int64_t l = 0; l < count; ++l) {
-    double* const line = out.data() + static_cast<std::size_t>(l) * samples * bands * parts;
-    const std::uint64_t line_number = static_cast<std::uint64_t>(first + l);
-    if (h.interleave != Interleave::bsq) s.read_at(h.header_offset + line_number * line_bytes, raw.data(), line_bytes);
-    for (std::size_t b = 0; b < bands; ++b) {
-      if (h.interleave == Interleave::bsq)
-        s.read_at(h.header_offset + (b * static_cast<std::uint64_t>(h.lines) + line_number) * samples * bytes,
-                  raw.data(), samples * bytes);
-      for (std::size_t x = 0; x < samples; ++x) {
-        const std::size_t at = h.interleave == Interleave::bsq   ? x
-                               : h.interleave == Interleave::bil ? b * samples + x
-                                                                 : x * bands + b;
-        for (std::size_t part = 0; part < parts; ++part)
-          line[(x * bands + b) * parts + part] = decode(raw.data() + at * bytes + part * part_bytes, swap);
-      }
+  const Decode decoded = decoder(h.data_type);
+  const std::size_t pixel = chosen.size() * parts;  // numbers of one
+  out.resize(lines * samples * pixel);
+  const auto part_of_band = [&](const unsigned char* in, std::size_t in_bytes, std::size_t many, double* to) {
+    for (std::size_t part = 0; part < parts; ++part)
+      decoded(in + part * part_bytes, in_bytes, many, swap, to + part, pixel);
+  };
+  if (h.interleave == Interleave::bsq) {
+    std::vector<unsigned char> raw(lines * line_bytes);
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      const std::uint64_t line = chosen[k] * static_cast<std::uint64_t>(h.lines) + static_cast<std::uint64_t>(first);
+      s.read_at(h.header_offset + line * line_bytes, raw.data(), raw.size());
+      part_of_band(raw.data(), bytes, lines * samples, out.data() + k * parts);
     }
+    return;
   }
-  return out;
+  std::vector<unsigned char> raw(lines * line_bytes * bands);
+  s.read_at(h.header_offset + static_cast<std::uint64_t>(first) * line_bytes * bands, raw.data(), raw.size());
+  const bool bip = h.interleave == Interleave::bip;
+  if (bip && chosen.size() == bands && std::is_sorted(chosen.begin(), chosen.end())) {  // as it lies there
+    decoded(raw.data(), part_bytes, out.size(), swap, out.data(), 1);
+    return;
+  }
+  for (std::size_t l = 0; l < lines; ++l)
+    for (std::size_t k = 0; k < chosen.size(); ++k)
+      part_of_band(raw.data() + l * line_bytes * bands + chosen[k] * (bip ? bytes : line_bytes),
+                   bip ? bands * bytes : bytes, samples, out.data() + l * samples * pixel + k * parts);
 }
 
 std::vector<double> EnviReader::read_lines_scaled(std::int64_t first, std::int64_t count) const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,11 @@ class EnviReader {
 
   /// Stored numbers of `count` lines, as they are.
   std::vector<double> read_lines(std::int64_t first, std::int64_t count) const;
-  /// The same times data gain plus data offset, where the header has them.
+  /// Stored numbers of some bands, numbered from 0, in the order given and without repeats: (line, sample, band). `out`
+  /// is made as large as they are. Threads may read at once.
+  void read_bands(std::int64_t first, std::int64_t count, std::span<const std::size_t> bands,
+                  std::vector<double>& out) const;
+  /// read_lines() times data gain plus data offset, where the header has them.
   std::vector<double> read_lines_scaled(std::int64_t first, std::int64_t count) const;
   /// Stored numbers of one pixel.
   std::vector<double> read_pixel(std::int64_t line, std::int64_t sample) const;

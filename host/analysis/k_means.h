@@ -1,0 +1,41 @@
+// Classes by k-means: each pixel belongs to the centre that is nearest, each centre is the mean of its pixels.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/analysis/cube.h"
+
+namespace raycube::analysis {
+
+struct KMeansOptions {
+  int classes = 5;
+  /// spread: along the mean, from one standard deviation of each band below it to one above; plusplus: pixels drawn by
+  /// their squared distance from the centres so far (Arthur & Vassilvitskii 2007).
+  std::string start = "spread";
+  std::uint64_t seed = 1;
+  double least_change = 0;  ///< ends when no larger share of pixels changes its class
+  int most_rounds = 100;
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< a cube that fits into this is read once
+};
+
+struct KMeans {
+  Eigen::MatrixXd center;            ///< [class][band]
+  std::vector<std::uint64_t> count;  ///< pixels of each; 0: its centre stayed where it was
+  int rounds = 0;
+  double changed = 0;    ///< share of pixels in the last round
+  double rms_apart = 0;  ///< of pixels from their centres, over pixels, of the sum over bands
+};
+
+/// Lloyd's rounds (IEEE Trans. Inf. Theory 28, 1982), with Hamerly's bounds (SDM 2010) by which most pixels need no
+/// distance: the classes of each round are those of the plain rounds. The same bits on any number of threads. Throws
+/// Error(input): fewer pixels than classes, or all alike.
+KMeans k_means(const Cube& cube, const KMeansOptions& options, const Pass& pass);
+
+/// The number, from 1, of the nearest centre of each pixel; 0 where it does not count.
+void nearest_center(const KMeans& classes, const Pixels& pixels, std::vector<double>& out);
+
+}  // namespace raycube::analysis

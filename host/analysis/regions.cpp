@@ -1,0 +1,249 @@
+#include "host/analysis/regions.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <fmt/format.h>
+#include <gdal_alg.h>
+#include <ogrsf_frmts.h>
+
+#include "host/analysis/gdal_dataset.h"
+#include "host/base/error.h"
+#include "host/base/input_file.h"
+#include "host/base/publication.h"
+
+namespace raycube::analysis {
+namespace {
+
+using base::Error;
+using base::Fault;
+
+std::string gdal_reason() {
+  const std::string said = CPLGetLastErrorMsg();
+  return said.empty() ? "" : " (" + said + ")";
+}
+
+Dataset open(const std::string& file, unsigned kinds) {
+  GDALAllRegister();
+  base::finish_publication_around(file);
+  base::refuse_other_than_plain(file);
+  CPLPushErrorHandler(CPLQuietErrorHandler);
+  CPLErrorReset();
+  Dataset out(GDALDataset::FromHandle(GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr)));
+  CPLPopErrorHandler();
+  return out;
+}
+
+[[noreturn]] void refuse(const std::string& text, const std::string& why) {
+  throw Error(Fault::input, fmt::format("region \"{}\": {}", text, why));
+}
+
+bool parse(const std::string& word, double& value) {
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return !word.empty() && code == std::errc() && end == word.data() + word.size();
+}
+
+std::string trim(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+/// X0:X1,Y0:Y1; false: it is no such text.
+bool parse_rectangle(const std::string& text, std::int64_t (&ends)[4]) {
+  int at = 0;
+  const char* from = text.data();
+  const char* const stop = from + text.size();
+  for (const char separator : {':', ',', ':', '\0'}) {
+    const auto [end, code] = std::from_chars(from, stop, ends[at++]);
+    if (code != std::errc()) return false;
+    if (separator == '\0') return end == stop;
+    if (end == stop || *end != separator) return false;
+    from = end + 1;
+  }
+  return false;
+}
+
+Region rectangle(const std::string& name, const std::string& text, const std::int64_t (&ends)[4], const Cube& cube) {
+  const auto [left, right, top, bottom] = ends;
+  if (left > right || top > bottom || left < 0 || top < 0 || right >= cube.samples() || bottom >= cube.lines())
+    refuse(text,
+           fmt::format("{} has samples 0 to {} and lines 0 to {}", cube.path(), cube.samples() - 1, cube.lines() - 1));
+  std::vector<Span> spans;
+  for (std::int64_t line = top; line <= bottom; ++line) spans.push_back({line, left, right});
+  return {name, std::move(spans)};
+}
+
+/// Number of a band, from 1.
+int band_called(GDALDataset& set, const std::string& file, const std::string& layer) {
+  if (layer.empty()) return 1;
+  double number = 0;
+  if (parse(layer, number) && number == std::floor(number) && number >= 1 && number <= set.GetRasterCount())
+    return static_cast<int>(number);
+  std::string known;
+  for (int b = 1; b <= set.GetRasterCount(); ++b) {
+    std::string name = set.GetRasterBand(b)->GetDescription();
+    if (name == layer || name.starts_with(layer + " [") || name.starts_with(layer + " (")) return b;  // its unit
+    if (b <= 40) known += (b > 1 ? ", " : "") + name;
+  }
+  throw Error(Fault::input, fmt::format("{}: has no layer \"{}\"; it has: {}", file, layer, known));
+}
+
+std::vector<double> layer_of(GDALDataset& set, const std::string& file, const std::string& layer, std::int64_t samples,
+                             std::int64_t lines) {
+  if (set.GetRasterXSize() != samples || set.GetRasterYSize() != lines)
+    throw Error(Fault::input, fmt::format("{}: has {} samples x {} lines, the image {} x {}; they must be of one size",
+                                          file, set.GetRasterXSize(), set.GetRasterYSize(), samples, lines));
+  GDALRasterBand* const band = set.GetRasterBand(band_called(set, file, layer));
+  std::vector<double> out(static_cast<std::size_t>(samples * lines));
+  if (band->RasterIO(GF_Read, 0, 0, static_cast<int>(samples), static_cast<int>(lines), out.data(),
+                     static_cast<int>(samples), static_cast<int>(lines), GDT_Float64, 0, 0) != CE_None)
+    throw Error(Fault::environment, file + ": could not be read" + gdal_reason());
+  return out;
+}
+
+/// LAYER OP VALUE.
+struct Condition {
+  std::string left, comparison, right;
+};
+
+Condition condition_of(const std::string& text) {
+  for (const char* comparison : {">=", "<=", "=", ">", "<"})
+    if (const auto at = text.find(comparison); at != std::string::npos)
+      return {trim(text.substr(0, at)), comparison, trim(text.substr(at + std::string(comparison).size()))};
+  return {"", "=", trim(text)};
+}
+
+bool holds(double value, const std::string& comparison, double right) {
+  if (comparison == ">=") return value >= right;
+  if (comparison == "<=") return value <= right;
+  if (comparison == ">") return value > right;
+  if (comparison == "<") return value < right;
+  return value == right;
+}
+
+Region of_raster(const std::string& name, const std::string& text, GDALDataset& set, const std::string& file,
+                 const std::string& condition, const Cube& cube) {
+  const Condition wanted = condition_of(condition);
+  double right = 0;
+  if (!condition.empty() && !parse(wanted.right, right))
+    refuse(text, fmt::format("\"{}\" is no number to compare {} with", wanted.right, file));
+  const std::vector<double> value = layer_of(set, file, wanted.left, cube.samples(), cube.lines());
+  return region_where(name, cube.samples(), cube.lines(), [&](std::int64_t line, std::int64_t sample) {
+    const double here = value[static_cast<std::size_t>(line * cube.samples() + sample)];
+    return condition.empty() ? here != 0 && !std::isnan(here) : holds(here, wanted.comparison, right);
+  });
+}
+
+/// An empty raster on the cube's grid.
+Dataset grid_of(const Cube& cube) {
+  GDALDriver* const memory = GetGDALDriverManager()->GetDriverByName("MEM");
+  Dataset out(memory ? memory->Create("", static_cast<int>(cube.samples()), static_cast<int>(cube.lines()), 1, GDT_Byte,
+                                      nullptr)
+                     : nullptr);
+  if (!out) throw Error(Fault::environment, "GDAL makes no raster in memory" + gdal_reason());
+  const Dataset like = open(products::find_envi_pair(cube.path()).data, GDAL_OF_RASTER);
+  double transform[6] = {0, 1, 0, 0, 0, 1};
+  if (like && !cube.header().map_info.empty()) {
+    like->GetGeoTransform(transform);
+    if (const OGRSpatialReference* system = like->GetSpatialRef()) out->SetSpatialRef(system);
+  }
+  out->SetGeoTransform(transform);
+  return out;
+}
+
+Region of_outlines(const std::string& name, const std::string& text, GDALDataset& set, const std::string& file,
+                   const std::string& condition, const Cube& cube) {
+  const Dataset grid = grid_of(cube);
+  OGRLayer* const layer = set.GetLayer(0);
+  if (!layer) refuse(text, file + " has no layer of outlines");
+  if (!condition.empty()) {
+    const Condition wanted = condition_of(condition);
+    if (wanted.left.empty() || layer->GetLayerDefn()->GetFieldIndex(wanted.left.c_str()) < 0)
+      refuse(text, fmt::format("{} has no attribute \"{}\"; give FILE@ATTRIBUTE=TEXT", file, wanted.left));
+    const std::string quoted = wanted.right.find('\'') == std::string::npos ? wanted.right : "";
+    if (layer->SetAttributeFilter(fmt::format("\"{}\" {} '{}'", wanted.left, wanted.comparison, quoted).c_str()) != 0)
+      refuse(text, "its condition is not understood" + gdal_reason());
+  }
+  if (cube.header().map_info.empty()) layer->GetLayerDefn()->GetGeomFieldDefn(0)->SetSpatialRef(nullptr);
+  int band = 1;
+  double burnt = 1;
+  OGRLayerH layers[] = {OGRLayer::ToHandle(layer)};
+  if (GDALRasterizeLayers(GDALDataset::ToHandle(grid.get()), 1, &band, 1, layers, nullptr, nullptr, &burnt, nullptr,
+                          nullptr, nullptr) != CE_None)
+    refuse(text, file + " could not be laid over the image" + gdal_reason());
+  const std::vector<double> inside = layer_of(*grid, file, "", cube.samples(), cube.lines());
+  return region_where(name, cube.samples(), cube.lines(), [&](std::int64_t line, std::int64_t sample) {
+    return inside[static_cast<std::size_t>(line * cube.samples() + sample)] != 0;
+  });
+}
+
+}  // namespace
+
+std::uint64_t Region::count() const {
+  std::uint64_t out = 0;
+  for (const Span& span : spans_) out += static_cast<std::uint64_t>(span.last - span.first + 1);
+  return out;
+}
+
+bool Region::holds(std::int64_t line, std::int64_t sample) const {
+  const auto after =
+      std::upper_bound(spans_.begin(), spans_.end(), std::pair{line, sample}, [](const auto& at, auto& s) {
+        return at < std::pair{s.line, s.first};
+      });
+  return after != spans_.begin() && std::prev(after)->line == line && std::prev(after)->last >= sample;
+}
+
+Region read_region(const std::string& text, const Cube& cube) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) refuse(text, "give NAME=WHAT, as in lawn=10:29,40:59");
+  const std::string name = text.substr(0, equals), what = text.substr(equals + 1);
+  std::int64_t ends[4];
+  if (parse_rectangle(what, ends)) return rectangle(name, text, ends, cube);
+  const auto at = what.rfind('@');
+  const std::string file = what.substr(0, at), condition = at == std::string::npos ? "" : what.substr(at + 1);
+  const Dataset set = open(file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
+  if (!set && !std::filesystem::exists(file)) refuse(text, file + " is no X0:X1,Y0:Y1, and no such file is there");
+  if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads" + gdal_reason());
+  Region out = set->GetRasterCount() > 0 ? of_raster(name, text, *set, file, condition, cube)
+                                         : of_outlines(name, text, *set, file, condition, cube);
+  if (out.spans().empty()) refuse(text, "no pixel is in it");
+  return out;
+}
+
+std::vector<double> read_layer(const std::string& file, const std::string& layer, std::int64_t samples,
+                               std::int64_t lines) {
+  const Dataset set = open(file, GDAL_OF_RASTER);
+  if (!set) throw Error(Fault::input, file + ": is no raster that can be read" + gdal_reason());
+  return layer_of(*set, file, layer, samples, lines);
+}
+
+std::vector<Region> read_classes(const std::string& file, const Cube& cube) {
+  const Dataset set = open(file, GDAL_OF_RASTER);
+  if (!set) throw Error(Fault::input, file + ": is no raster that can be read" + gdal_reason());
+  const std::vector<double> value = layer_of(*set, file, "", cube.samples(), cube.lines());
+  std::map<double, bool> values;
+  for (const double v : value) {
+    if (std::isfinite(v) && v != 0) values[v] = true;
+    if (values.size() > 10000)
+      throw Error(Fault::input, file + ": has more than 10000 different values; it is no raster of classes");
+  }
+  if (values.empty()) throw Error(Fault::input, file + ": no pixel has a class (all are 0)");
+  char** const names = set->GetRasterBand(1)->GetCategoryNames();
+  std::vector<Region> out;
+  for (const auto& [number, unused] : values) {
+    const bool named = names && number == std::floor(number) && number > 0 && number < CSLCount(names);
+    out.push_back(region_where(named ? names[static_cast<int>(number)] : fmt::format("{:g}", number), cube.samples(),
+                               cube.lines(), [&, n = number](std::int64_t line, std::int64_t sample) {
+                                 return value[static_cast<std::size_t>(line * cube.samples() + sample)] == n;
+                               }));
+  }
+  return out;
+}
+
+}  // namespace raycube::analysis

@@ -1,0 +1,14 @@
+// raycube analyze VERB CUBE: what users compute from cubes, real or simulated.
+#include "host/cli/analyze_verbs.h"
+
+namespace raycube::cli {
+
+Verb verb_analyze() {
+  Verb verb("analyze", "Statistics, detection, unmixing, classes and resolution of any ENVI cube");
+  verb.verbs = {verb_analyze_statistics(), verb_analyze_reflectance(), verb_analyze_edge(),
+                verb_analyze_eigen(),      verb_analyze_kmeans(),      verb_analyze_classify(),
+                verb_analyze_unmix(),      verb_analyze_detect(),      verb_analyze_roc()};
+  return verb;
+}
+
+}  // namespace raycube::cli
