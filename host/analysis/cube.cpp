@@ -133,7 +133,7 @@ void for_each_part(const Cube& cube, const Pass& pass,
                    const std::function<void(std::size_t part, const Pixels& pixels)>& work) {
   const std::vector<PartRange> parts = parts_of(cube);
   base::for_each_index(parts.size(), pass.threads, [&](std::size_t p) {
-    Pixels pixels;
+    thread_local Pixels pixels;
     for (std::int64_t line = parts[p].first_line; line < parts[p].end_line; line += pixels.lines) {
       base::throw_if_interrupted();
       cube.read(line, std::min(cube.lines_at_once(), parts[p].end_line - line), pixels);

@@ -83,7 +83,9 @@ double Detection::score_of(const std::string& detector, const Target& target, co
 void Detection::score(const Pixels& pixels, std::vector<double>& out) const {
   const std::size_t layers = layers_.size(), n = pixels.bands, stride = padded(n);
   out.resize(pixels.count() * layers);
-  std::vector<double> centred(kPixelsAtOnce * stride, 0.0), norm(kPixelsAtOnce, 0.0);
+  thread_local std::vector<double> centred;
+  centred.assign(kPixelsAtOnce * stride, 0.0);
+  std::vector<double> norm(kPixelsAtOnce, 0.0);
   for (std::size_t first = 0; first < pixels.count(); first += kPixelsAtOnce) {
     const std::size_t many = std::min(kPixelsAtOnce, pixels.count() - first);
     for (std::size_t p = 0; p < many; ++p)

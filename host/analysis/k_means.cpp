@@ -8,9 +8,10 @@
 #include <fmt/format.h>
 
 #include "host/analysis/dense_sums.h"
+#include "host/analysis/eigen_structure.h"
+#include "host/analysis/moments.h"
 #include "host/base/error.h"
 #include "host/base/parallel.h"
-#include "host/products/cube_statistics.h"
 #include "scene_compiler/counter_random.h"
 
 namespace raycube::analysis {
@@ -19,8 +20,12 @@ namespace {
 using base::Error;
 using base::Fault;
 
+using Centers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kRounding = 1e-12;  ///< of a distance: bounds are wider by this, so that rounding decides nothing
+constexpr double kRounding = 1e-10;   ///< of squared distances: bounds are wider by this, so that it decides nothing
+constexpr std::size_t kSketched = 8;  ///< directions in which a pixel is known in short
+constexpr std::size_t kSomePixels = 20000;
 constexpr std::uint16_t kNone = 0xffff;
 
 /// A cube that is gone through again and again: kept as floats where that fits and loses nothing.
@@ -29,43 +34,43 @@ class Rounds {
   Rounds(const Cube& cube, std::uint64_t memory_bytes, const Pass& pass) : cube_(cube), pass_(pass) {
     keeps_ = cube.header().data_type == 4 && cube.header().data_gain.empty() && cube.header().data_offset.empty() &&
              !cube.header().reflectance_scale_factor && cube.pixels() * cube.bands() * sizeof(float) <= memory_bytes;
-    if (!keeps_) return;
-    kept_.resize(cube.pixels() * cube.bands()), counts_.resize(cube.pixels());
+    counts_.resize(cube.pixels());
+    if (keeps_) kept_.resize(cube.pixels() * cube.bands());
     for_each_part(cube, pass, [&](std::size_t, const Pixels& pixels) {
       const auto first = static_cast<std::size_t>(pixels.first_line * pixels.samples);
       std::copy(pixels.counts.begin(), pixels.counts.end(), counts_.begin() + static_cast<std::ptrdiff_t>(first));
+      if (!keeps_) return;
       float* const to = kept_.data() + first * pixels.bands;
       for (std::size_t i = 0; i < pixels.value.size(); ++i) to[i] = static_cast<float>(pixels.value[i]);
     });
   }
 
-  /// work(part, number of the pixel, its values) for each that counts. skips(pixel): it need not be read.
-  template <class Skips, class Work>
-  void each(const Skips& skips, const Work& work) const {
+  /// work(part, number of the pixel, its values, floats or doubles) for each that counts and is asked for.
+  template <class Asks, class Work>
+  void each(const Asks& asks, const Work& work) const {
     if (!keeps_) {
       for_each_part(cube_, pass_, [&](std::size_t part, const Pixels& pixels) {
         const auto first = static_cast<std::size_t>(pixels.first_line * pixels.samples);
         for (std::size_t p = 0; p < pixels.count(); ++p)
-          if (pixels.counts[p] && !skips(first + p)) work(part, first + p, pixels.at(p));
+          if (pixels.counts[p] && asks(part, first + p)) work(part, first + p, pixels.at(p));
       });
       return;
     }
     const std::vector<PartRange> parts = parts_of(cube_);
     base::for_each_index(parts.size(), pass_.threads, [&](std::size_t part) {
-      const std::size_t bands = cube_.bands();
-      std::vector<double> value(bands);
       const auto samples = static_cast<std::size_t>(cube_.samples());
       for (auto line = parts[part].first_line; line < parts[part].end_line; ++line) {
         const auto first = static_cast<std::size_t>(line) * samples;
-        for (std::size_t p = first; p < first + samples; ++p) {
-          if (!counts_[p] || skips(p)) continue;
-          const float* const from = kept_.data() + p * bands;
-          for (std::size_t b = 0; b < bands; ++b) value[b] = static_cast<double>(from[b]);
-          work(part, p, value.data());
-        }
+        for (std::size_t p = first; p < first + samples; ++p)
+          if (counts_[p] && asks(part, p)) work(part, p, kept_.data() + p * cube_.bands());
       }
     });
   }
+  template <class Work>
+  void each(const Work& work) const {
+    each([](std::size_t, std::size_t) { return true; }, work);
+  }
+  const Cube& cube() const { return cube_; }
 
  private:
   const Cube& cube_;
@@ -80,66 +85,152 @@ struct ClassSums {
   ClassSums(std::size_t classes, std::size_t bands)
       : sum(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(classes), static_cast<Eigen::Index>(bands))),
         count(classes, 0) {}
-  void add(std::size_t k, const double* value, double sign) {
-    sum.row(static_cast<Eigen::Index>(k)) += sign * Eigen::Map<const Eigen::RowVectorXd>(value, sum.cols());
+  template <class Number>
+  void add(std::size_t k, const Number* value, double sign) {
+    add_signed(value, sign, static_cast<std::size_t>(sum.cols()), sum.row(static_cast<Eigen::Index>(k)).data());
     count[k] += sign > 0 ? 1 : -1;
   }
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> sum;
+  Centers sum;
   std::vector<std::int64_t> count;
 };
 
-using Centers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Two nearest centres of a pixel: the nearest one's number, both distances.
-struct Nearest {
-  std::size_t number = 0;
-  double near = kInfinite, next = kInfinite;
-};
-Nearest nearest(const Centers& center, const double* value) {
-  Nearest out;
-  const auto bands = static_cast<std::size_t>(center.cols());
+/// Number of the nearest centre, the first of those that are as near.
+template <class Number>
+std::size_t nearest(const Centers& center, const Number* value) {
+  std::size_t out = 0;
+  double least = kInfinite;
   for (Eigen::Index k = 0; k < center.rows(); ++k) {
-    const double apart = std::sqrt(squared_distance(value, center.row(k).data(), bands));
-    if (apart < out.near)
-      out.next = out.near, out.near = apart, out.number = static_cast<std::size_t>(k);
-    else
-      out.next = std::min(out.next, apart);
+    const double apart = squared_distance(value, center.row(k).data(), static_cast<std::size_t>(center.cols()));
+    if (apart < least) least = apart, out = static_cast<std::size_t>(k);
   }
   return out;
 }
 
-/// Centres along the mean.
-Centers spread_centers(const Cube& cube, int classes, const Pass& pass) {
-  std::vector<std::vector<products::BandStatistics>> part(parts_of(cube).size(),
-                                                          std::vector<products::BandStatistics>(cube.bands()));
-  for_each_part(cube, pass, [&](std::size_t number, const Pixels& pixels) {
-    for (std::size_t p = 0; p < pixels.count(); ++p)
-      for (std::size_t b = 0; pixels.counts[p] && b < pixels.bands; ++b) part[number][b].add(pixels.at(p)[b]);
-  });
-  Centers out(classes, static_cast<Eigen::Index>(cube.bands()));
-  for (std::size_t b = 0; b < cube.bands(); ++b) {
-    products::BandStatistics all;
-    for (const auto& one : part) all.merge(one[b]);
-    for (int k = 0; k < classes; ++k)
-      out(k, static_cast<Eigen::Index>(b)) =
-          all.mean + all.standard_deviation() * (classes > 1 ? 2.0 * k / (classes - 1) - 1 : 0.0);
+/// Mean and covariance of some pixels, evenly over the image.
+Moments some_moments(const Rounds& rounds) {
+  const std::size_t step = std::max<std::size_t>(1, rounds.cube().pixels() / kSomePixels);
+  std::vector<Moments> part(kMostParts, Moments(rounds.cube().bands()));
+  rounds.each([&](std::size_t, std::size_t pixel) { return pixel % step == 0; },
+              [&](std::size_t number, std::size_t, const auto* value) {
+                const std::vector<double> numbers(value, value + rounds.cube().bands());
+                part[number].add(numbers.data(), 1);
+              });
+  Moments out(rounds.cube().bands());
+  for (const Moments& one : part) out.merge(one);
+  return out;
+}
+
+/// Each pixel in short: its coordinates along the first principal directions of some pixels, and how far it is from
+/// the space of these. Any directions would do; these leave little.
+class Sketch {
+ public:
+  explicit Sketch(const Rounds& rounds) {
+    const Moments some = some_moments(rounds);
+    const std::size_t bands = rounds.cube().bands();
+    count_ = std::min(kSketched, bands);
+    mean_ = some.mean();
+    along_ = eigen_structure(some.covariance()).vectors.leftCols(static_cast<Eigen::Index>(count_));
+    pixel_.resize(rounds.cube().pixels() * (count_ + 2));
+    rounds.each([&](std::size_t, std::size_t pixel, const auto* value) {
+      thread_local Eigen::VectorXd numbers;
+      numbers.resize(static_cast<Eigen::Index>(bands));
+      for (std::size_t b = 0; b < bands; ++b)
+        numbers[static_cast<Eigen::Index>(b)] = static_cast<double>(value[b]) - mean_[static_cast<Eigen::Index>(b)];
+      put(numbers, pixel_.data() + pixel * (count_ + 2));
+    });
   }
+
+  /// To be asked about these centres.
+  void look_at(const Centers& center) {
+    center_.resize(static_cast<std::size_t>(center.rows()) * (count_ + 2));
+    for (Eigen::Index k = 0; k < center.rows(); ++k)
+      put(center.row(k).transpose() - mean_, center_.data() + static_cast<std::size_t>(k) * (count_ + 2));
+  }
+
+  /// Number of the nearest centre; kNone: what is known in short does not say.
+  std::uint16_t nearest_of(std::size_t pixel) const {
+    const std::size_t size = count_ + 2, centers = center_.size() / size;
+    const double* const x = pixel_.data() + pixel * size;
+    double least_upper = kInfinite, least_lower = kInfinite, next_lower = kInfinite;
+    std::size_t upper_of = 0, lower_of = 0;
+    for (std::size_t k = 0; k < centers; ++k) {
+      const double* const c = center_.data() + k * size;
+      double apart = x[count_] * x[count_] + c[count_] * c[count_];
+      for (std::size_t j = 0; j < count_; ++j) apart += (x[j] - c[j]) * (x[j] - c[j]);
+      // Across the directions |x|^2 + |c|^2 - 2 x c, of which only the sizes are known; and both have roundings.
+      const double open = 2 * x[count_] * c[count_] + kRounding * (x[count_ + 1] + c[count_ + 1]);
+      if (apart + open < least_upper) least_upper = apart + open, upper_of = k;
+      if (apart - open < least_lower)
+        next_lower = least_lower, least_lower = apart - open, lower_of = k;
+      else
+        next_lower = std::min(next_lower, apart - open);
+    }
+    return upper_of == lower_of && least_upper < next_lower ? static_cast<std::uint16_t>(upper_of) : kNone;
+  }
+
+ private:
+  void put(const Eigen::VectorXd& from_mean, double* to) const {
+    const Eigen::VectorXd along = along_.transpose() * from_mean;
+    std::copy(along.data(), along.data() + along.size(), to);
+    const double whole = from_mean.squaredNorm();
+    to[count_] = std::sqrt(std::max(0.0, whole - along.squaredNorm())), to[count_ + 1] = whole;
+  }
+
+  std::size_t count_ = 0;
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd along_;
+  std::vector<double> pixel_, center_;  ///< coordinates, distance from their space, |x - mean|^2
+};
+
+/// Mean and sum of squares about it, band by band.
+struct BandSpread {
+  explicit BandSpread(std::size_t bands)
+      : mean(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(bands))), squares(mean) {}
+  template <class Number>
+  void add(const Number* value) {
+    const double part = 1 / static_cast<double>(++count);
+    for (Eigen::Index b = 0; b < mean.size(); ++b) {
+      const double off = static_cast<double>(value[b]) - mean[b];
+      mean[b] += part * off, squares[b] += (1 - part) * off * off;
+    }
+  }
+  void merge(const BandSpread& other) {
+    if (other.count == 0) return;
+    const double here = static_cast<double>(count), there = static_cast<double>(other.count);
+    const Eigen::ArrayXd way = other.mean - mean;
+    squares += other.squares + here * there / (here + there) * way.square();
+    mean += there / (here + there) * way, count += other.count;
+  }
+  std::uint64_t count = 0;
+  Eigen::ArrayXd mean, squares;
+};
+
+/// Centres along the mean.
+Centers spread_centers(const Rounds& rounds, int classes) {
+  std::vector<BandSpread> part(kMostParts, BandSpread(rounds.cube().bands()));
+  rounds.each([&](std::size_t number, std::size_t, const auto* value) { part[number].add(value); });
+  BandSpread all(rounds.cube().bands());
+  for (const BandSpread& one : part) all.merge(one);
+  const Eigen::ArrayXd deviation = (all.squares / std::max(1.0, static_cast<double>(all.count) - 1)).sqrt();
+  Centers out(classes, all.mean.size());
+  for (int k = 0; k < classes; ++k)
+    out.row(k) = (all.mean + deviation * (classes > 1 ? 2.0 * k / (classes - 1) - 1 : 0.0)).matrix();
   return out;
 }
 
 /// Pixels by their squared distances: of all, the one whose exponential draw over that weight is least (Efraimidis &
 /// Spirakis 2006), so that the order of pixels says nothing.
-Centers drawn_centers(const Rounds& rounds, const Cube& cube, const KMeansOptions& options) {
+Centers drawn_centers(const Rounds& rounds, const KMeansOptions& options) {
+  const Cube& cube = rounds.cube();
   Centers out(options.classes, static_cast<Eigen::Index>(cube.bands()));
   std::vector<double> weight(cube.pixels(), 1.0);
-  const auto never = [](std::size_t) { return false; };
   struct Drawn {
     double key = kInfinite;
     std::vector<double> value;
   };
   for (int k = 0; k < options.classes; ++k) {
     std::vector<Drawn> part(kMostParts);
-    rounds.each(never, [&](std::size_t number, std::size_t pixel, const double* value) {
+    rounds.each([&](std::size_t number, std::size_t pixel, const auto* value) {
       if (k > 0) {
         const double apart = squared_distance(value, out.row(k - 1).data(), cube.bands());
         weight[pixel] = k == 1 ? apart : std::min(weight[pixel], apart);
@@ -160,99 +251,77 @@ Centers drawn_centers(const Rounds& rounds, const Cube& cube, const KMeansOption
 /// Lloyd's rounds.
 class Lloyd {
  public:
-  Lloyd(const Cube& cube, const Rounds& rounds, Centers start)
+  Lloyd(const Rounds& rounds, Centers start)
       : rounds_(rounds),
+        sketch_(rounds),
         center_(std::move(start)),
-        bands_(cube.bands()),
-        class_(cube.pixels(), kNone),
-        near_(cube.pixels(), 0.0),
-        next_(cube.pixels(), 0.0),
+        bands_(rounds.cube().bands()),
+        class_(rounds.cube().pixels(), kNone),
         part_(kMostParts, ClassSums(static_cast<std::size_t>(center_.rows()), bands_)) {}
 
   /// One round; pixels that changed.
   std::uint64_t round() {
-    half_gap();
+    sketch_.look_at(center_);
     std::vector<std::uint64_t> changed(kMostParts, 0);
-    // A pixel's own centre is at most near_ away, all others at least next_, or as far as half their gap tells.
-    const auto stays = [&](std::size_t pixel) {
-      return class_[pixel] != kNone && near_[pixel] * (1 + kRounding) < std::max(next_[pixel], gap_[class_[pixel]]);
-    };
-    rounds_.each(stays, [&](std::size_t part, std::size_t pixel, const double* value) {
-      const Nearest found = nearest(center_, value);
-      near_[pixel] = found.near, next_[pixel] = found.next;
-      if (class_[pixel] == found.number) return;
-      if (class_[pixel] != kNone) part_[part].add(class_[pixel], value, -1);
-      class_[pixel] = static_cast<std::uint16_t>(found.number);
-      part_[part].add(found.number, value, 1), ++changed[part];
-    });
+    rounds_.each([&](std::size_t, std::size_t pixel) { return told(pixel) == kNone || told(pixel) != class_[pixel]; },
+                 [&](std::size_t part, std::size_t pixel, const auto* value) {
+                   const std::uint16_t in_short = told(pixel);
+                   const std::size_t found = in_short != kNone ? in_short : nearest(center_, value);
+                   if (class_[pixel] == found) return;
+                   if (class_[pixel] != kNone) part_[part].add(class_[pixel], value, -1);
+                   class_[pixel] = static_cast<std::uint16_t>(found);
+                   part_[part].add(found, value, 1), ++changed[part];
+                 });
     move();
     return std::accumulate(changed.begin(), changed.end(), std::uint64_t{0});
   }
 
-  std::uint64_t pixels() const {
-    std::uint64_t out = 0;
-    for (const std::uint64_t n : count()) out += n;
-    return out;
-  }
   std::vector<std::uint64_t> count() const {
     std::vector<std::uint64_t> out(static_cast<std::size_t>(center_.rows()), 0);
     for (const ClassSums& one : part_)
       for (std::size_t k = 0; k < out.size(); ++k) out[k] += static_cast<std::uint64_t>(one.count[k]);
     return out;
   }
+  std::uint64_t pixels() const {
+    const std::vector<std::uint64_t> of = count();
+    return std::accumulate(of.begin(), of.end(), std::uint64_t{0});
+  }
+  const std::vector<std::uint16_t>& classes() const { return class_; }
 
-  /// Means of the classes as they are, summed anew, so that nothing is left of what came and went.
+  /// Means of the classes as they are, summed anew, so that nothing is left of what came and went; and the sum of
+  /// squares about them.
   Centers means(double& squares) {
     for (ClassSums& one : part_) one = ClassSums(static_cast<std::size_t>(center_.rows()), bands_);
     std::vector<double> part(kMostParts, 0.0);
-    rounds_.each([](std::size_t) { return false; },
-                 [&](std::size_t number, std::size_t pixel, const double* value) {
-                   part_[number].add(class_[pixel], value, 1);
-                   part[number] += squared_distance(value, center_.row(class_[pixel]).data(), bands_);
-                 });
+    rounds_.each([&](std::size_t number, std::size_t pixel, const auto* value) {
+      part_[number].add(class_[pixel], value, 1);
+      part[number] += squared_distance(value, center_.row(class_[pixel]).data(), bands_);
+    });
     squares = std::accumulate(part.begin(), part.end(), 0.0);
     move();
     return center_;
   }
 
  private:
-  /// Half the distance from each centre to the nearest other.
-  void half_gap() {
-    gap_.assign(static_cast<std::size_t>(center_.rows()), kInfinite);
-    for (Eigen::Index a = 0; a < center_.rows(); ++a)
-      for (Eigen::Index b = 0; b < center_.rows(); ++b)
-        if (a != b)
-          gap_[static_cast<std::size_t>(a)] =
-              std::min(gap_[static_cast<std::size_t>(a)], 0.5 * (center_.row(a) - center_.row(b)).norm());
-  }
+  std::uint16_t told(std::size_t pixel) const { return sketch_.nearest_of(pixel); }
 
-  /// Centres to the means of their pixels; bounds by how far they went.
+  /// Centres to the means of their pixels.
   void move() {
     ClassSums all(static_cast<std::size_t>(center_.rows()), bands_);
     for (const ClassSums& one : part_) {
       all.sum += one.sum;
       for (std::size_t k = 0; k < all.count.size(); ++k) all.count[k] += one.count[k];
     }
-    std::vector<double> way(all.count.size(), 0.0);
-    for (std::size_t k = 0; k < way.size(); ++k) {
-      if (all.count[k] == 0) continue;
-      const auto row = static_cast<Eigen::Index>(k);
-      const Eigen::RowVectorXd mean = all.sum.row(row) / static_cast<double>(all.count[k]);
-      way[k] = (mean - center_.row(row)).norm(), center_.row(row) = mean;
-    }
-    const double most = *std::max_element(way.begin(), way.end());
-    for (std::size_t p = 0; p < class_.size(); ++p) {
-      if (class_[p] == kNone) continue;
-      near_[p] += way[class_[p]], next_[p] -= most;
-    }
+    for (Eigen::Index k = 0; k < center_.rows(); ++k)
+      if (const std::int64_t n = all.count[static_cast<std::size_t>(k)]; n > 0)
+        center_.row(k) = all.sum.row(k) / static_cast<double>(n);
   }
 
   const Rounds& rounds_;
+  Sketch sketch_;
   Centers center_;
   std::size_t bands_;
   std::vector<std::uint16_t> class_;
-  std::vector<double> near_, next_;  ///< at most so far from its own centre, at least so far from all others
-  std::vector<double> gap_;
   std::vector<ClassSums> part_;
 };
 
@@ -260,9 +329,8 @@ class Lloyd {
 
 KMeans k_means(const Cube& cube, const KMeansOptions& options, const Pass& pass) {
   const Rounds rounds(cube, options.memory_bytes, pass);
-  Lloyd lloyd(
-      cube, rounds,
-      options.start == "plusplus" ? drawn_centers(rounds, cube, options) : spread_centers(cube, options.classes, pass));
+  Lloyd lloyd(rounds,
+              options.start == "plusplus" ? drawn_centers(rounds, options) : spread_centers(rounds, options.classes));
   KMeans out;
   while (out.rounds < options.most_rounds) {
     const std::uint64_t changed = lloyd.round();
@@ -278,14 +346,9 @@ KMeans k_means(const Cube& cube, const KMeansOptions& options, const Pass& pass)
   out.center = lloyd.means(squares);
   out.count = lloyd.count();
   out.rms_apart = std::sqrt(squares / static_cast<double>(lloyd.pixels()));
+  for (const std::uint16_t k : lloyd.classes())
+    out.number.push_back(k == kNone ? 0 : static_cast<std::uint16_t>(k + 1));
   return out;
-}
-
-void nearest_center(const KMeans& classes, const Pixels& pixels, std::vector<double>& out) {
-  const Centers center = classes.center;
-  out.assign(pixels.count(), 0.0);
-  for (std::size_t p = 0; p < pixels.count(); ++p)
-    if (pixels.counts[p]) out[p] = static_cast<double>(nearest(center, pixels.at(p)).number + 1);
 }
 
 }  // namespace raycube::analysis

@@ -41,9 +41,8 @@ int k_means(const KMeansRequest& request, Invocation& invocation) {
     return analysis::k_means(cube, options, {services.threads, [&](std::int64_t) { step.advance(0); }});
   }();
   analysis::for_each_part(cube, ShownPass(services, "map", cube), [&](std::size_t, const analysis::Pixels& pixels) {
-    std::vector<double> classes;
-    analysis::nearest_center(found, pixels, classes);
-    map.write(pixels, classes);
+    const auto first = found.number.begin() + pixels.first_line * pixels.samples;
+    map.write(pixels, std::vector<double>(first, first + static_cast<std::ptrdiff_t>(pixels.count())));
   });
   map.finish();
 

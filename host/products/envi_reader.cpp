@@ -186,8 +186,9 @@ void EnviReader::read_bands(std::int64_t first, std::int64_t count, std::span<co
     for (std::size_t part = 0; part < parts; ++part)
       decoded(in + part * part_bytes, in_bytes, many, swap, to + part, pixel);
   };
+  thread_local std::vector<unsigned char> raw;  // kept: pages that are given back are cleared when they are asked for
   if (h.interleave == Interleave::bsq) {
-    std::vector<unsigned char> raw(lines * line_bytes);
+    raw.resize(lines * line_bytes);
     for (std::size_t k = 0; k < chosen.size(); ++k) {
       const std::uint64_t line = chosen[k] * static_cast<std::uint64_t>(h.lines) + static_cast<std::uint64_t>(first);
       s.read_at(h.header_offset + line * line_bytes, raw.data(), raw.size());
@@ -195,7 +196,7 @@ void EnviReader::read_bands(std::int64_t first, std::int64_t count, std::span<co
     }
     return;
   }
-  std::vector<unsigned char> raw(lines * line_bytes * bands);
+  raw.resize(lines * line_bytes * bands);
   s.read_at(h.header_offset + static_cast<std::uint64_t>(first) * line_bytes * bands, raw.data(), raw.size());
   const bool bip = h.interleave == Interleave::bip;
   if (bip && chosen.size() == bands && std::is_sorted(chosen.begin(), chosen.end())) {  // as it lies there

@@ -1,0 +1,2 @@
+# What users compute from cubes: the sums that all of it rests on; the verbs themselves: cli.cmake.
+raycube_test(dense_sums SOURCES unit/dense_sums_test.cpp LIBS raycube::analysis LABELS fast)
