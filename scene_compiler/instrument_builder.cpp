@@ -6,6 +6,7 @@
 
 #include "scene_compiler/band_list.h"
 #include "scene_compiler/csv_file.h"
+#include "scene_compiler/detector_builder.h"
 #include "scene_compiler/document_values.h"
 
 namespace raycube::scene {
@@ -273,6 +274,12 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
   read_band_truth(record, out);
   out.first_opaque = record.boolean("first_opaque");
   if (record.given("integer_scale")) out.integer_scale = record.number("integer_scale");
+  if (const Record* detector = record.table("detector")) {
+    out.detector = read_detector(*detector, problems);
+    if (out.integer_scale)
+      problems.add(detector->where, "a detector measures radiance.img, which must be float32", "integer_scale",
+                   "remove integer_scale; measured.img has digital numbers by detector.bits");
+  }
   return out;
 }
 

@@ -12,6 +12,7 @@
 
 #include "scene_compiler/band_truth.h"
 #include "scene_compiler/compiled_scene.h"
+#include "scene_compiler/detector_spec.h"
 #include "scene_compiler/lamp.h"
 #include "scene_compiler/lidar_spec.h"
 
@@ -70,6 +71,7 @@ struct Instrument {
   bool auto_bounces = true;   ///< the planner may let light go between surfaces; false: only a number in the file does
   double psf_sigma_px = 0;    ///< Gaussian PSF sigma in pixels; 0: box, no blur
   double psf_support_px = 1;  ///< width of the square the samples cover, pixels; 1 for the box
+  std::optional<DetectorSpec> detector;
   std::vector<Band> bands;
   std::vector<int> quicklook_bands;  ///< 0-based, red green blue (three) or grey (one)
   // products

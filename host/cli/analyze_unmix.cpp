@@ -29,6 +29,7 @@ class Means {
 
   void add(std::size_t part, const analysis::Pixels& pixels, const std::vector<double>& value) {
     analysis::for_each_in(regions_, pixels, [&](std::size_t r, std::size_t p) {
+      if (!pixels.counts[p]) return;
       for (std::size_t k = 0; k < layers_; ++k) part_[part][r][k].add(value[p * layers_ + k]);
     });
   }

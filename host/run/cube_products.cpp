@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/parallel.h"
 #include "host/base/publication.h"
+#include "host/run/measured_cube.h"
 #include "host/run/radiance_guard.h"
 #include "host/run/truth_cubes.h"
 #include "host/plan/radiance_limit.h"
@@ -339,7 +340,7 @@ const MissedSamples& CubeProducts::missed() const { return state_->missed; }
 
 std::optional<std::string> CubeProducts::warning() const { return state_->guard.warning(); }
 
-void CubeProducts::publish(products::RunRecord& record) {
+void CubeProducts::publish(products::RunRecord& record, const Services& services) {
   State& s = *state_;
   record.more_json.emplace_back("radiance_bound", s.guard.json());
   if (s.location) s.georeference();
@@ -353,6 +354,15 @@ void CubeProducts::publish(products::RunRecord& record) {
     record.files.emplace_back("location.img", "easting, northing, height of each pixel, ENVI");
   }
   s.truth_cubes->finish(record);
+  if (s.instrument.detector) {
+    const ReadsRadiance read = [&](std::int64_t first, std::int64_t lines, float* to) {
+      s.radiance->read_back(first, lines, to);
+    };
+    const MeasuredCube measured =
+        measure_cube(s.instrument, s.simulation.seed, read, s.radiance->header(), s.set, services);
+    for (const auto& [name, what] : measured.files) record.files.emplace_back(name, what);
+    if (measured.saturated > 0) record.warnings.push_back(measured.warning());
+  }
   if (s.standard_error) {
     s.standard_error->finish();
     record.files.emplace_back("standard_error.img", "standard error of the radiance per band, ENVI");

@@ -9,6 +9,7 @@
 #include "host/base/output_file.h"
 #include "host/run/camera_job.h"
 #include "host/run/missed_samples.h"
+#include "host/run/services.h"
 #include "host/products/run_record.h"
 
 namespace raycube::run {
@@ -39,7 +40,7 @@ class CubeProducts {
   const MissedSamples& missed() const;
   /// Finishes every file, fills the record's digest, files and figures of the output, writes run.json and names them
   /// all.
-  void publish(products::RunRecord& record);
+  void publish(products::RunRecord& record, const Services& services);
 
  private:
   struct State;

@@ -188,7 +188,7 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   record.more_json.emplace_back("missed_samples", output.missed().json());
   if (output.missed().any()) add_warning(output.missed().text(), record, services);
   add_error(renderer, simulation, job, statistics.spread, record, services);
-  output.publish(record);
+  output.publish(record, services);
   services.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
                                 instrument.pixels, instrument.lines, instrument.bands.size(), took.render_s,
                                 record.rays_per_s, destination.folder));

@@ -275,6 +275,8 @@ def ignored(folder):
     analyze(folder, "detect", broken, "--detector", "rx")
     found = layers(folder, "detect")[0]
     program.check(np.isnan(found[4, 5]) and np.isnan(found).sum() == 1, "one pixel takes no part")
+    whole = analyze(folder, "unmix", broken, "--endmember", "a=0:0,0:0", "--endmember", "b=3:3,3:3")["regions"][0]
+    program.check(whole["pixels"] == 15 * 13 - 1 and np.isfinite(whole["mean"]).all(), whole)
 
 
 def refusals(folder, path, cube):

@@ -126,7 +126,8 @@ std::map<std::string, std::string> products_of(const scene::Simulation& simulati
   products::RunRecord record;
   record.more_json = {{"missed_samples", output.missed().json()}};
   if (const auto warning = output.warning()) record.warnings.push_back(*warning);
-  output.publish(record);
+  base::Log log;
+  output.publish(record, {.log = log});
   std::map<std::string, std::string> files;
   for (const auto& name : folder.names()) files[name] = text_of(folder.path / name);
   return files;
@@ -180,7 +181,8 @@ TEST_CASE("a missing piece is refused before anything is published, one that com
     CHECK_THROWS_WITH_AS(add({kLines - 1, 2, 0, kPixels}), doctest::Contains("came for an image of 150 x 211"),
                          base::Error);
     products::RunRecord record;
-    CHECK_THROWS_AS(output.publish(record), base::Error);
+    base::Log log;
+    CHECK_THROWS_AS(output.publish(record, {.log = log}), base::Error);
   }
   CHECK(folder.names().empty());
 }

@@ -1,0 +1,119 @@
+// `raycube noise`: what an instrument's detector would have measured of a stored cube.
+#include <filesystem>
+#include <memory>
+#include <ostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/cli/services.h"
+#include "host/cli/verb.h"
+#include "host/products/envi_reader.h"
+#include "host/run/camera_job.h"
+#include "host/run/load_job.h"
+#include "host/run/measured_cube.h"
+
+namespace raycube::cli {
+namespace {
+
+struct NoiseRequest {
+  std::string cube, file, instrument;
+};
+
+/// The one instrument with a detector that is asked for.
+const scene::Instrument& pick(const scene::Simulation& simulation, const std::string& name) {
+  const scene::Instrument* found = nullptr;
+  for (const scene::Instrument& one : simulation.instruments) {
+    if (!one.detector || (!name.empty() && one.name != name)) continue;
+    if (found)
+      throw base::Error(base::Fault::input, simulation.file +
+                                                ": several instruments have a detector; name one "
+                                                "(--instrument)");
+    found = &one;
+  }
+  if (!found)
+    throw base::Error(base::Fault::input,
+                      simulation.file + (name.empty() ? ": no instrument has a [instrument.detector]"
+                                                      : ": no instrument '" + name + "' with a [instrument.detector]"));
+  return *found;
+}
+
+/// Whether the cube is one that the instrument takes.
+void check_fits(const products::EnviReader& cube, const scene::Instrument& instrument, const std::string& path) {
+  const products::EnviHeader& h = cube.header();
+  if (h.samples != instrument.pixels || h.lines != instrument.lines ||
+      h.bands != static_cast<std::int64_t>(instrument.bands.size()))
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("{}: has {} samples x {} lines x {} bands, instrument '{}' {} x {} x {}; they must be "
+                    "the same",
+                    path, h.samples, h.lines, h.bands, instrument.name, instrument.pixels, instrument.lines,
+                    instrument.bands.size()));
+  if (h.type().components != 1) throw base::Error(base::Fault::input, path + ": holds complex numbers");
+  const std::vector<double> um = h.wavelength_um();
+  for (std::size_t b = 0; b < um.size(); ++b)
+    if (std::abs(um[b] - instrument.bands[b].center_um) > 1e-3 * instrument.bands[b].center_um)
+      throw base::Error(base::Fault::input,
+                        fmt::format("{}: band {} lies at {:g} nm, that of instrument '{}' at {:g} nm", path, b + 1,
+                                    1e3 * um[b], instrument.name, 1e3 * instrument.bands[b].center_um));
+}
+
+int noise(const NoiseRequest& request, Invocation& invocation) {
+  run::Services services = services_of(invocation);
+  const scene::Simulation simulation = run::load_job(request.file, invocation.common.seed, services);
+  const scene::Instrument& instrument = pick(simulation, request.instrument);
+  const products::EnviReader cube(request.cube);
+  check_fits(cube, instrument, request.cube);
+  base::OutputSet set(invocation.common.output.empty() ? "noise" : invocation.common.output,
+                      if_exists(invocation.common));
+  const auto read = [&](std::int64_t first, std::int64_t lines, float* to) {
+    const std::vector<double> values = cube.read_lines_scaled(first, lines);
+    for (std::size_t i = 0; i < values.size(); ++i) to[i] = static_cast<float>(values[i]);
+  };
+  products::EnviHeader header = cube.header();
+  header.header_offset = 0, header.data_gain.clear(), header.data_offset.clear(), header.warnings.clear();
+  if (!header.wavelength.empty() && header.wavelength_um().empty()) header.wavelength.clear(), header.fwhm.clear();
+  if (!header.wavelength.empty()) {
+    header.wavelength = header.wavelength_um();
+    if (!header.fwhm.empty()) header.fwhm = header.fwhm_um();
+    header.wavelength_units = "Micrometers";
+  }
+  const run::MeasuredCube measured = run::measure_cube(instrument, simulation.seed, read, header, set, services);
+  set.publish();
+  if (measured.saturated > 0) services.log.warning(measured.warning());
+  nlohmann::ordered_json out = {
+      {"folder", set.folder()}, {"saturated", measured.saturated}, {"values", measured.values}};
+  for (const auto& [name, what] : measured.files) out["files"].push_back(name);
+  if (invocation.common.json)
+    invocation.out << out.dump(2) << "\n";
+  else
+    for (const auto& [name, what] : measured.files)
+      invocation.out << set.folder() << "/" << name << ": " << what << "\n";
+  return 0;
+}
+
+}  // namespace
+
+Verb verb_noise() {
+  auto o = std::make_shared<NoiseRequest>();
+  Verb verb("noise", "Make of a cube of radiance what an instrument's detector measures");
+  verb.description =
+      "The [instrument.detector] of FILE over a cube that is there: shot noise, dark current, reading, fixed pattern, "
+      "bad elements, saturation, digital numbers. A render of FILE leaves the same measured.img, to the bit, for the "
+      "same radiance and seed. detector.csv has each band's electrons per radiance, noise and calibration; digital "
+      "numbers have the calibration as the header's gains and offsets too. Equations: docs/sensors.md.";
+  verb.examples = {"raycube noise out/camera/radiance.img scene.toml --instrument camera --seed 7 -o noisy"};
+  verb.common = kOutput | kSeed | kThreads;
+  verb.output_default = "noise";
+  verb.add_options = [o](base::OptionTable& table) {
+    table.argument("CUBE", "A cube of radiance, W m-2 sr-1 um-1: its data file or its header", o->cube);
+    table.argument("FILE", "The simulation file whose instrument has the detector", o->file);
+    table.text("--instrument", "NAME", "Which of its instruments", o->instrument).default_text =
+        "the one that has a detector";
+  };
+  verb.run = [o](Invocation& invocation) { return noise(*o, invocation); };
+  return verb;
+}
+
+}  // namespace raycube::cli
