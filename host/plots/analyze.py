@@ -159,6 +159,27 @@ def roc(data, figure):
     axes.legend(fontsize=8)
 
 
+def register(data, figure):
+    axes = figure.subplots()
+    whole, blocks = data["whole"], [b for b in data["blocks"] if b["found"]]
+    if blocks:
+        at = np.array([[b["sample"], b["line"], b["samples"], b["lines"]] for b in blocks])
+        arrows = axes.quiver(at[:, 0], at[:, 1], at[:, 2], at[:, 3], angles="xy")
+        axes.quiverkey(arrows, 0.9, 1.03, 1, "1 pixel", labelpos="E")
+        axes.invert_yaxis()
+    axes.set(xlabel="sample", ylabel="line", aspect="equal")
+    axes.set_title(f"shift {whole['samples']:.3f} samples, {whole['lines']:.3f} lines", loc="left")
+
+
+def scorecard(data, figure):
+    left, right = figure.subplots(1, 2)
+    for axes, key, title in ((left, "means", "means"), (right, "deviations", "standard deviations")):
+        for values_of, name, style in zip(data[key], (data["cube"], data["other"]), ("-", "--")):
+            spectrum(axes, data, values_of, ls=style, label=name)
+        axes.set(ylabel=unit(data), title=title)
+    left.legend(fontsize=7)
+
+
 PICTURES = {
     of.__name__: (of, wide)
     for of, wide in (
@@ -171,6 +192,8 @@ PICTURES = {
         (reflectance, 12),
         (edge, 15),
         (roc, 7),
+        (register, 7),
+        (scorecard, 12),
     )
 }
 

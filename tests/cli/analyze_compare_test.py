@@ -1,0 +1,115 @@
+"""S46 S59: `raycube analyze register` on images shifted by known parts of a pixel, `scorecard` against scipy."""
+
+import pathlib
+import sys
+import tempfile
+
+import numpy as np
+import scipy.linalg
+import scipy.stats
+
+from analysis_kit import Analysis, values, write_cube
+from driver import Program
+
+program = Program(sys.argv[1])
+analysis = Analysis(program)
+analyze, close = analysis.run, analysis.close
+RNG = np.random.default_rng(46)
+MOST_OFF_PX = 0.02  # a cubic between pixels of waves of 6 pixels and longer errs by 0.01
+
+
+def waves(count=60, shortest=6.0):
+    """A sum of plane waves no shorter than so many pixels: known everywhere, so that it can be shifted exactly."""
+    length, way = RNG.uniform(shortest, 40, count), RNG.uniform(0, 2 * np.pi, count)
+    k = 2 * np.pi / length * np.array([np.cos(way), np.sin(way)])
+    size, phase = RNG.normal(0, 1, count), RNG.uniform(0, 2 * np.pi, count)
+    return lambda x, y: (size * np.cos(k[0] * x[..., None] + k[1] * y[..., None] + phase)).sum(-1)
+
+
+def pixels(field, samples, lines, dx=0.0, dy=0.0):
+    y, x = np.mgrid[0:lines, 0:samples].astype(float)
+    return field(x - dx, y - dy)
+
+
+def shifts(folder):
+    field = waves()
+    first = write_cube(folder / "first.img", (40 + pixels(field, 150, 130))[..., None], dtype="f8")
+    for dx, dy in ((0, 0), (0.3, -0.45), (2.71, 1.13), (-5.5, 7.25)):
+        moved = 3 + 1.7 * pixels(field, 150, 130, dx, dy)  # another gain and offset
+        second = write_cube(folder / "second.img", moved[..., None], dtype="f8")
+        found = analyze(folder, "register", first, "--other", second)["whole"]
+        program.check(
+            abs(found["samples"] - dx) < MOST_OFF_PX and abs(found["lines"] - dy) < MOST_OFF_PX, dx, dy, found
+        )
+        program.check(found["correlation"] > 0.999, found)
+    # Noise: errors as they are told. 60 draws: their spread is known to 9 %.
+    moved, off = pixels(field, 150, 130, 0.3, 0.2), []
+    for _ in range(60):
+        noisy = moved + RNG.normal(0, 2, moved.shape)
+        second = write_cube(folder / "second.img", noisy[..., None], dtype="f8")
+        found = analyze(folder, "register", first, "--other", second)["whole"]
+        off.append((found["samples"], found["lines"]))
+    spread = np.std(off, axis=0, ddof=1)
+    for axis, key in enumerate(("samples_error", "lines_error")):
+        program.check(0.65 < found[key] / spread[axis] < 1.35, key, found[key], spread[axis])
+    return field, first
+
+
+def of_other_sizes(folder, field, first):
+    """Pixels of a fifth, averaged; a scale of 1 % shows in the blocks, though the whole is not shifted."""
+    fine = field(*np.meshgrid((np.arange(750) + 0.5) / 5 - 0.5 - 0.62, (np.arange(650) + 0.5) / 5 - 0.5 + 0.3))
+    second = write_cube(folder / "fine.img", fine[..., None], dtype="f8")
+    found = analyze(folder, "register", first, "--other", second, "--other-factor", 5)["whole"]
+    program.check(abs(found["samples"] - 0.62) < MOST_OFF_PX and abs(found["lines"] + 0.3) < MOST_OFF_PX, found)
+    y, x = np.mgrid[0:130, 0:150].astype(float)
+    scaled = field(74.5 + (x - 74.5) / 1.01, 64.5 + (y - 64.5) / 1.01)
+    second = write_cube(folder / "scaled.img", scaled[..., None], dtype="f8")
+    found = analyze(folder, "register", first, "--other", second, "--block", 40, picture=True)
+    for block in found["blocks"]:
+        program.check(abs(block["samples"] - 0.01 * (block["sample"] - 74.5)) < 0.06, block)
+        program.check(abs(block["lines"] - 0.01 * (block["line"] - 64.5)) < 0.06, block)
+    program.check(len(found["blocks"]) == 9, len(found["blocks"]))
+    noise = write_cube(folder / "noise.img", RNG.normal(0, 1, (130, 150, 1)), dtype="f8")
+    program.refused(
+        "analyze", "register", first, "--other", noise, "-o", folder / "no", status=2, says=["no shift within"]
+    )
+
+
+def scores(folder):
+    mix = RNG.normal(0, 1, (8, 8))
+    one = 30 + RNG.normal(0, 1, (60, 50, 8)) @ mix
+    two = 31 + 1.2 * RNG.normal(0, 1, (44, 70, 8)) @ mix @ np.linalg.qr(np.eye(8) + 0.1 * RNG.normal(0, 1, (8, 8)))[0]
+    a, b = write_cube(folder / "a.img", one, "bil", "f8"), write_cube(folder / "b.img", two, "bsq", "f8")
+    got = {s["metric"]: s["value"] for s in analyze(folder, "scorecard", a, "--other", b, picture=True)["scores"]}
+    x, y = one.reshape(-1, 8), two.reshape(-1, 8)
+    means = x.mean(0), y.mean(0)
+    close(
+        got["difference of the bands' means, rms over the first's mean"],
+        100 * np.sqrt(np.mean((means[1] - means[0]) ** 2)) / means[0].mean(),
+        what="means",
+    )
+    cosine = means[0] @ means[1] / np.linalg.norm(means[0]) / np.linalg.norm(means[1])
+    close(got["angle between the mean spectra"], np.degrees(np.arccos(cosine)), 1e-6, "angle")
+    close(
+        got["ratio of the bands' standard deviations, mean"],
+        np.mean(y.std(0, ddof=1) / x.std(0, ddof=1)),
+        what="spread",
+    )
+    distances = [scipy.stats.ks_2samp(x[:, k], y[:, k]).statistic for k in range(8)]
+    close(got["distance of the distributions, mean over bands"], np.mean(distances), what="distributions")
+    close(got["distance of the distributions, worst band"], np.max(distances), what="distributions")
+    vectors = [np.linalg.eigh(np.cov(v, rowvar=False))[1][:, ::-1] for v in (x, y)]
+    for k in range(1, 5):
+        expected = np.degrees(scipy.linalg.subspace_angles(vectors[0][:, :k], vectors[1][:, :k])).max()
+        close(got[f"largest angle between the first {k} eigenvectors"], expected, 1e-6, "angles")
+    same = analyze(folder, "scorecard", a, "--other", a)["scores"]
+    program.check(all(abs(s["value"] - s["where_alike"]) < 2e-6 for s in same), same)
+    few = write_cube(folder / "few.img", one[..., :5], dtype="f8")
+    program.refused("analyze", "scorecard", a, "--other", few, "-o", folder / "no", status=2, says=["must be the same"])
+
+
+with tempfile.TemporaryDirectory() as name:
+    top = pathlib.Path(name)
+    of_other_sizes(top, *shifts(top))
+    scores(top)
+    print(f"analyze compare: {program.checks} checks")
