@@ -1,11 +1,11 @@
-"""S45 S52: the unmixing targets of the published experiment, rendered and taken apart, and reflectance by panels through
-clear and hazy air.
+"""S45 S52: the unmixing targets of the published experiment, rendered and taken apart, and reflectance by panels
+through clear and hazy air.
 
 Targets as published: 16 x 16 ft of 1 ft cells, three of yellow felt to one of yellow cotton in each 2 x 2; a
-checkerboard of 24 x 24 ft, blue felt and cotton in turns; pure ones of 12 x 12 ft, so that some pixels of 1 m lie wholly
-on them. Samples are jittered: a grid of 32 x 32 meets each second 2 ft at one phase (0.6096 m are 19.507 of its steps)
-and finds cotton 5 % too often. Allowed (issue): 1 point of share on radiance, 3 points on reflectance; reflectance of what
-is no panel within 0.005 in all windows.
+checkerboard of 24 x 24 ft, blue felt and cotton in turns; pure ones of 12 x 12 ft, so that some pixels of 1 m lie
+wholly on them. Samples are jittered: a grid of 32 x 32 meets each second 2 ft at one phase (0.6096 m are 19.507 of its
+steps) and finds cotton 5 % too often. Allowed (issue): 1 point of share on radiance, 3 points on reflectance;
+reflectance of what is no panel within 0.005 in all windows.
 """
 
 import pathlib
