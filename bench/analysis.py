@@ -112,7 +112,7 @@ def main():
         seconds, _, resident = analyze("detect", cube, *target)
         took["detect"].append(seconds)
         took["eigen"].append(analyze("eigen", cube)[0])
-        seconds, classes, _ = analyze("kmeans", cube, "--count", CLASSES, "--memory", "4G")
+        seconds, classes, _ = analyze("kmeans", cube, "--count", CLASSES)
         took["kmeans"].append(seconds)
         took["unmix"].append(analyze("unmix", cube, *unmix)[0])
     s = {key: statistics.median(values) for key, values in took.items()}

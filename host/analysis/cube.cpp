@@ -101,7 +101,9 @@ std::string Cube::band_text(std::size_t band) const {
 }
 
 std::int64_t Cube::lines_at_once() const {
-  const auto line = static_cast<std::size_t>(samples()) * bands();
+  // Of a file that keeps a pixel's or a line's bands together all are read.
+  const bool all = header().interleave != products::Interleave::bsq;
+  const auto line = static_cast<std::size_t>(samples()) * (all ? static_cast<std::size_t>(header().bands) : bands());
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(kNumbersAtOnce / std::max<std::size_t>(line, 1)));
 }
 
@@ -109,11 +111,12 @@ void Cube::read(std::int64_t first_line, std::int64_t lines, Pixels& out) const 
   out.first_line = first_line, out.lines = lines, out.samples = samples(), out.bands = bands();
   reader_.read_bands(first_line, lines, band_, out.value);
   out.counts.assign(out.count(), 1);
-  const std::optional<double>& ignore = header().data_ignore_value;
-  const bool scaled = !header().data_gain.empty() || !header().data_offset.empty() || header().reflectance_scale_factor;
+  const products::EnviHeader& h = header();
+  const bool scaled = !h.data_gain.empty() || !h.data_offset.empty() || h.reflectance_scale_factor;
   for (std::size_t p = 0; p < out.count(); ++p) {
     double* const value = out.value.data() + p * out.bands;
-    if (ignore && std::all_of(value, value + out.bands, [&](double v) { return v == *ignore; })) out.counts[p] = 0;
+    if (h.data_ignore_value && std::any_of(value, value + out.bands, [&](double v) { return h.ignores(v); }))
+      out.counts[p] = 0;
     if (scaled)
       for (std::size_t b = 0; b < out.bands; ++b) value[b] = value[b] * gain_[b] + offset_[b];
     double nothing = 0;  // stays 0 unless a number is not finite
@@ -122,8 +125,15 @@ void Cube::read(std::int64_t first_line, std::int64_t lines, Pixels& out) const 
   }
 }
 
-std::vector<PartRange> parts_of(const Cube& cube) {
-  const std::int64_t parts = std::min<std::int64_t>(kMostParts, cube.lines());
+std::shared_ptr<const float> Cube::mapped() const {
+  const products::EnviHeader& h = header();
+  const bool plain = h.data_gain.empty() && h.data_offset.empty() && !h.reflectance_scale_factor &&
+                     bands() == static_cast<std::size_t>(h.bands);
+  return plain ? reader_.map_floats() : nullptr;
+}
+
+std::vector<PartRange> parts_of(const Cube& cube, int most) {
+  const std::int64_t parts = std::min<std::int64_t>(most, cube.lines());
   std::vector<PartRange> out;
   for (std::int64_t p = 0; p < parts; ++p) out.push_back({p * cube.lines() / parts, (p + 1) * cube.lines() / parts});
   return out;
@@ -131,7 +141,7 @@ std::vector<PartRange> parts_of(const Cube& cube) {
 
 void for_each_part(const Cube& cube, const Pass& pass,
                    const std::function<void(std::size_t part, const Pixels& pixels)>& work) {
-  const std::vector<PartRange> parts = parts_of(cube);
+  const std::vector<PartRange> parts = parts_of(cube, pass.most_parts);
   base::for_each_index(parts.size(), pass.threads, [&](std::size_t p) {
     thread_local Pixels pixels;
     for (std::int64_t line = parts[p].first_line; line < parts[p].end_line; line += pixels.lines) {
@@ -141,6 +151,22 @@ void for_each_part(const Cube& cube, const Pass& pass,
       if (pass.after_lines) pass.after_lines(pixels.lines);
     }
   });
+}
+
+void require_same_bands(const Cube& a, const Cube& b) {
+  constexpr double kMostApart = 0.01;  ///< of a wavelength
+  if (a.bands() != b.bands())
+    throw Error(Fault::input,
+                fmt::format("{} has {} bands, {} {}; they must be the same", a.path(), a.bands(), b.path(), b.bands()));
+  const std::vector<double> um = a.wavelength_um(), other = b.wavelength_um();
+  for (std::size_t i = 0; i < a.bands(); ++i) {
+    const bool apart = !um.empty() && !other.empty() ? std::abs(um[i] - other[i]) > kMostApart * um[i]
+                                                     : a.chosen()[i] != b.chosen()[i];
+    if (apart)
+      throw Error(Fault::input,
+                  fmt::format("band {} of {} is compared with band {} of {}; choose --bands that are alike",
+                              a.band_text(i), a.path(), b.band_text(i), b.path()));
+  }
 }
 
 void require_same_size(const Cube& a, std::int64_t samples, std::int64_t lines, const std::string& other) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct Pixels {
   std::int64_t first_line = 0, lines = 0, samples = 0;
   std::size_t bands = 0;
   std::vector<double> value;         ///< [pixel][band], pixels line by line
-  std::vector<std::uint8_t> counts;  ///< [pixel]: 0: a band is not finite, or all are the header's ignore value
+  std::vector<std::uint8_t> counts;  ///< [pixel]: 0: a band is not finite, or the header's ignore value
 
   std::size_t count() const { return static_cast<std::size_t>(lines * samples); }
   const double* at(std::size_t pixel) const { return value.data() + pixel * bands; }
@@ -49,6 +50,9 @@ class Cube {
 
   /// Stored numbers times data gain plus data offset, over the reflectance scale factor.
   void read(std::int64_t first_line, std::int64_t lines, Pixels& out) const;
+  /// All numbers where they lie in the file, [pixel][band], where they need no more than that; else null
+  /// (EnviReader::map_floats).
+  std::shared_ptr<const float> mapped() const;
   /// Lines that are read at once: some megabytes.
   std::int64_t lines_at_once() const;
 
@@ -68,18 +72,22 @@ inline constexpr int kMostParts = 32;
 struct PartRange {
   std::int64_t first_line = 0, end_line = 0;
 };
-std::vector<PartRange> parts_of(const Cube& cube);
+std::vector<PartRange> parts_of(const Cube& cube, int most = kMostParts);
 
 /// What a long pass over a cube uses of the program around it.
 struct Pass {
   int threads = 0;                                           ///< 0: as many as the machine has
   std::function<void(std::int64_t lines)> after_lines = {};  ///< told of lines done, from any thread
+  int most_parts = kMostParts;                               ///< where each holds much
 };
 
 /// work(part, pixels) for all lines of all parts.
 void for_each_part(const Cube& cube, const Pass& pass,
                    const std::function<void(std::size_t part, const Pixels& pixels)>& work);
 
+/// Two cubes that are compared band by band must have as many, and at the same wavelengths within 1 %, or of the same
+/// numbers where a header has none; Error(input) else.
+void require_same_bands(const Cube& a, const Cube& b);
 /// Two cubes of one scene must have as many samples, lines and bands; Error(input) else.
 void require_same_size(const Cube& a, std::int64_t samples, std::int64_t lines, const std::string& other);
 

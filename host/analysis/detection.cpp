@@ -50,6 +50,7 @@ Detection::Detection(const std::vector<std::string>& detectors, std::vector<Name
   for (const NamedSpectrum& target : targets) {
     Target& t = targets_.emplace_back();
     t.spectrum = target.value, t.length = target.value.norm();
+    if (!(t.length > 0)) throw Error(Fault::input, "target \"" + target.name + "\" is zero in every band");
     if (covariance) {
       const Eigen::VectorXd d = target.value - mean_;
       t.matched = covariance->whole * d, t.own = d.dot(t.matched);
@@ -72,7 +73,8 @@ double Detection::score_of(const std::string& detector, const Target& target, co
   if (detector == "cem") return dot(target.constrained, x);
   if (detector == "sam") {
     const double length = Eigen::Map<const Eigen::VectorXd>(x, mean_.size()).norm() * target.length;
-    return length > 0 ? std::acos(std::clamp(dot(target.spectrum, x) / length, -1.0, 1.0)) : 0;
+    return length > 0 ? std::acos(std::clamp(dot(target.spectrum, x) / length, -1.0, 1.0))
+                      : std::numeric_limits<double>::quiet_NaN();
   }
   const double along = dot(target.matched, y);
   if (detector == "mf") return along / target.own;

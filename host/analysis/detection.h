@@ -35,8 +35,8 @@ class Detection {
 
   /// "ace lime", "rx": target by target.
   const std::vector<std::string>& layers() const { return layers_; }
-  /// [pixel][layer]; not a number where the pixel does not count. A pixel that is the background's mean has ace 0, one
-  /// that is zero sam 0.
+  /// [pixel][layer]; not a number where the pixel does not count, and sam of one that is zero. A pixel that is the
+  /// background's mean has ace 0.
   void score(const Pixels& pixels, std::vector<double>& out) const;
 
  private:

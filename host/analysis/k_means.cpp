@@ -28,27 +28,22 @@ constexpr std::size_t kSketched = 8;  ///< directions in which a pixel is known 
 constexpr std::size_t kSomePixels = 20000;
 constexpr std::uint16_t kNone = 0xffff;
 
-/// A cube that is gone through again and again: kept as floats where that fits and loses nothing.
+/// A cube that is gone through again and again: where its numbers lie in the file as they are used, there; else read
+/// anew each time.
 class Rounds {
  public:
-  Rounds(const Cube& cube, std::uint64_t memory_bytes, const Pass& pass) : cube_(cube), pass_(pass) {
-    keeps_ = cube.header().data_type == 4 && cube.header().data_gain.empty() && cube.header().data_offset.empty() &&
-             !cube.header().reflectance_scale_factor && cube.pixels() * cube.bands() * sizeof(float) <= memory_bytes;
+  Rounds(const Cube& cube, const Pass& pass) : cube_(cube), pass_(pass), mapped_(cube.mapped()) {
     counts_.resize(cube.pixels());
-    if (keeps_) kept_.resize(cube.pixels() * cube.bands());
     for_each_part(cube, pass, [&](std::size_t, const Pixels& pixels) {
-      const auto first = static_cast<std::size_t>(pixels.first_line * pixels.samples);
-      std::copy(pixels.counts.begin(), pixels.counts.end(), counts_.begin() + static_cast<std::ptrdiff_t>(first));
-      if (!keeps_) return;
-      float* const to = kept_.data() + first * pixels.bands;
-      for (std::size_t i = 0; i < pixels.value.size(); ++i) to[i] = static_cast<float>(pixels.value[i]);
+      const auto first = static_cast<std::ptrdiff_t>(pixels.first_line * pixels.samples);
+      std::copy(pixels.counts.begin(), pixels.counts.end(), counts_.begin() + first);
     });
   }
 
   /// work(part, number of the pixel, its values, floats or doubles) for each that counts and is asked for.
   template <class Asks, class Work>
   void each(const Asks& asks, const Work& work) const {
-    if (!keeps_) {
+    if (!mapped_) {
       for_each_part(cube_, pass_, [&](std::size_t part, const Pixels& pixels) {
         const auto first = static_cast<std::size_t>(pixels.first_line * pixels.samples);
         for (std::size_t p = 0; p < pixels.count(); ++p)
@@ -62,7 +57,7 @@ class Rounds {
       for (auto line = parts[part].first_line; line < parts[part].end_line; ++line) {
         const auto first = static_cast<std::size_t>(line) * samples;
         for (std::size_t p = first; p < first + samples; ++p)
-          if (counts_[p] && asks(part, p)) work(part, p, kept_.data() + p * cube_.bands());
+          if (counts_[p] && asks(part, p)) work(part, p, mapped_.get() + p * cube_.bands());
       }
     });
   }
@@ -75,8 +70,7 @@ class Rounds {
  private:
   const Cube& cube_;
   const Pass& pass_;
-  bool keeps_ = false;
-  std::vector<float> kept_;
+  std::shared_ptr<const float> mapped_;
   std::vector<std::uint8_t> counts_;
 };
 
@@ -212,6 +206,8 @@ Centers spread_centers(const Rounds& rounds, int classes) {
   BandSpread all(rounds.cube().bands());
   for (const BandSpread& one : part) all.merge(one);
   const Eigen::ArrayXd deviation = (all.squares / std::max(1.0, static_cast<double>(all.count) - 1)).sqrt();
+  if (classes > 1 && !(deviation.maxCoeff() > 0))
+    throw Error(Fault::input, rounds.cube().path() + ": all pixels are alike; they are one class");
   Centers out(classes, all.mean.size());
   for (int k = 0; k < classes; ++k)
     out.row(k) = (all.mean + deviation * (classes > 1 ? 2.0 * k / (classes - 1) - 1 : 0.0)).matrix();
@@ -328,7 +324,7 @@ class Lloyd {
 }  // namespace
 
 KMeans k_means(const Cube& cube, const KMeansOptions& options, const Pass& pass) {
-  const Rounds rounds(cube, options.memory_bytes, pass);
+  const Rounds rounds(cube, pass);
   Lloyd lloyd(rounds,
               options.start == "plusplus" ? drawn_centers(rounds, options) : spread_centers(rounds, options.classes));
   KMeans out;

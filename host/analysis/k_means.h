@@ -19,7 +19,6 @@ struct KMeansOptions {
   std::uint64_t seed = 1;
   double least_change = 0;  ///< ends when no larger share of pixels changes its class
   int most_rounds = 100;
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< a cube that fits into this is read once
 };
 
 struct KMeans {

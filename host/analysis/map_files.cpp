@@ -119,7 +119,6 @@ MapFiles MapFiles::of_classes(base::OutputSet& set, const std::string& name, con
   header.file_type = "ENVI Classification", header.band_names = {"class"};
   std::string names = "{none", lookup = "{0, 0, 0";
   GDALColorTable colours;
-  std::vector<const char*> texts = {"none"};
   for (std::size_t k = 0; k < classes.size(); ++k) {
     const auto [r, g, b] = class_colour(k + 1);
     std::string text = classes[k];
@@ -128,15 +127,12 @@ MapFiles MapFiles::of_classes(base::OutputSet& set, const std::string& name, con
     names += ", " + text, lookup += fmt::format(", {}, {}, {}", r, g, b);
     const GDALColorEntry entry = {static_cast<short>(r), static_cast<short>(g), static_cast<short>(b), 255};
     colours.SetColorEntry(static_cast<int>(k) + 1, &entry);
-    texts.push_back(classes[k].c_str());
   }
-  texts.push_back(nullptr);
   header.other["classes"] = std::to_string(classes.size() + 1);
   header.other["class names"] = names + "}", header.other["class lookup"] = lookup + "}";
   MapFiles out(std::make_unique<State>(set, name, std::move(header), true));
   out.state_->begin_tiff(like);
   out.state_->geo->GetRasterBand(1)->SetColorTable(&colours);
-  out.state_->geo->GetRasterBand(1)->SetCategoryNames(const_cast<char**>(texts.data()));
   return out;
 }
 

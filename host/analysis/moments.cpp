@@ -13,7 +13,7 @@
 namespace raycube::analysis {
 namespace {
 
-constexpr double kWorstCondition = 1e15;
+constexpr double kWorstCondition = 1e12;  ///< of bands with variance 1: an inverse then has four digits
 
 }  // namespace
 
@@ -96,25 +96,33 @@ Moments moments_of(const Cube& cube, const Pass& pass, const Chooses& chooses) {
 }
 
 Inverse invert(const Eigen::MatrixXd& symmetric, const std::string& what) {
-  base::SymmetricModes modes;
-  modes.compute(symmetric);
-  const double least = modes.eigenvalues()[0], most = modes.eigenvalues()[symmetric.rows() - 1];
-  if (!(least > 0) || most > kWorstCondition * least)
+  const Eigen::Index n = symmetric.rows();
+  const auto refuse = [&](const std::string& why) {
     throw base::Error(
         base::Fault::input,
-        fmt::format("{}: its {} x {} matrix cannot be inverted (eigenvalues from {:.3g} to {:.3g}): fewer pixels than "
-                    "bands, or bands that are constant or repeat each other; choose fewer bands (--bands, "
-                    "--wavelengths), or --shrink",
-                    what, symmetric.rows(), symmetric.rows(), least, most));
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(symmetric);
-  const Eigen::Index n = symmetric.rows();
-  const Eigen::MatrixXd lower = cholesky.matrixL().solve(Eigen::MatrixXd::Identity(n, n));
+        fmt::format(
+            "{}: its {} x {} matrix cannot be inverted ({}): fewer pixels than bands, or bands that are constant "
+            "or repeat each other; choose fewer bands (--bands, --wavelengths), or --shrink",
+            what, n, n, why));
+  };
+  if (!(symmetric.diagonal().minCoeff() > 0)) refuse("a band's variance is 0");
+  // Of bands of variance 1, so that units say nothing.
+  const Eigen::VectorXd scale = symmetric.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd even = scale.asDiagonal() * symmetric * scale.asDiagonal();
+  base::SymmetricModes modes;
+  modes.compute(even);
+  const double least = modes.eigenvalues()[0], most = modes.eigenvalues()[n - 1];
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(even);
+  if (!(least > 0) || most > kWorstCondition * least || cholesky.info() != Eigen::Success)
+    refuse(fmt::format("eigenvalues from {:.3g} to {:.3g} of bands with variance 1", least, most));
+  const Eigen::MatrixXd lower =
+      Eigen::MatrixXd(cholesky.matrixL().solve(Eigen::MatrixXd::Identity(n, n))) * scale.asDiagonal();
   Inverse out;
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j) out.lower.push_back(j <= i ? lower(i, j) : 0.0);
   out.whole = lower.transpose() * lower;
   const Eigen::MatrixXd factor = cholesky.matrixL();
-  for (Eigen::Index i = 0; i < n; ++i) out.log_determinant += 2 * std::log(factor(i, i));
+  for (Eigen::Index i = 0; i < n; ++i) out.log_determinant += 2 * std::log(factor(i, i) / scale[i]);
   return out;
 }
 

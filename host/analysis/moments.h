@@ -48,8 +48,8 @@ struct Inverse {
   Eigen::MatrixXd whole;
   double log_determinant = 0;  ///< of M
 };
-/// Throws Error(input) that names `what` where M is not positive or its condition number is past 1e15 ("fewer pixels
-/// than bands, or bands that are constant or repeat each other").
+/// Throws Error(input) that names `what` where M is not positive or its condition number, of bands with variance 1, is
+/// past 1e12 ("fewer pixels than bands, or bands that are constant or repeat each other").
 Inverse invert(const Eigen::MatrixXd& symmetric, const std::string& what);
 
 }  // namespace raycube::analysis

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -79,6 +80,11 @@ Region rectangle(const std::string& name, const std::string& text, const std::in
   return {name, std::move(spans)};
 }
 
+/// Whether a layer's name, its unit after it or not, is what is asked for.
+bool is_called(const std::string& name, const std::string& layer) {
+  return name == layer || name.starts_with(layer + " [") || name.starts_with(layer + " (");
+}
+
 /// Number of a band, from 1.
 int band_called(GDALDataset& set, const std::string& file, const std::string& layer) {
   if (layer.empty()) return 1;
@@ -88,10 +94,46 @@ int band_called(GDALDataset& set, const std::string& file, const std::string& la
   std::string known;
   for (int b = 1; b <= set.GetRasterCount(); ++b) {
     std::string name = set.GetRasterBand(b)->GetDescription();
-    if (name == layer || name.starts_with(layer + " [") || name.starts_with(layer + " (")) return b;  // its unit
+    if (is_called(name, layer)) return b;
     if (b <= 40) known += (b > 1 ? ", " : "") + name;
   }
   throw Error(Fault::input, fmt::format("{}: has no layer \"{}\"; it has: {}", file, layer, known));
+}
+
+/// A layer of an ENVI file: scaled as cubes are, not a number where it is ignored.
+std::vector<double> envi_layer(const std::string& file, const std::string& layer, std::int64_t samples,
+                               std::int64_t lines) {
+  const products::EnviHeader header = products::read_envi_header(products::find_envi_pair(file).header);
+  std::size_t number = layer.empty() ? 1 : 0;
+  double typed = 0;
+  if (parse(layer, typed) && typed == std::floor(typed) && typed >= 1 && typed <= static_cast<double>(header.bands))
+    number = static_cast<std::size_t>(typed);
+  for (std::size_t b = 0; number == 0 && b < header.band_names.size(); ++b)
+    if (is_called(header.band_names[b], layer)) number = b + 1;
+  if (number == 0)
+    throw Error(Fault::input,
+                fmt::format("{}: has no layer \"{}\"; it has: {}", file, layer,
+                            header.band_names.empty() ? fmt::format("1 to {}", header.bands)
+                                                      : fmt::format("{}", fmt::join(header.band_names, ", "))));
+  const Cube cube(file, {std::to_string(number), ""});
+  require_same_size(cube, samples, lines, "the image");
+  std::vector<double> out(cube.pixels());
+  for_each_part(cube, {}, [&](std::size_t, const Pixels& pixels) {
+    const auto first = static_cast<std::size_t>(pixels.first_line * pixels.samples);
+    for (std::size_t p = 0; p < pixels.count(); ++p)
+      out[first + p] = pixels.counts[p] ? *pixels.at(p) : std::numeric_limits<double>::quiet_NaN();
+  });
+  return out;
+}
+
+/// Whether a file is one of an ENVI pair.
+bool is_envi(const std::string& file) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return false;
+  const std::string stem = std::filesystem::path(file).replace_extension().string();
+  for (const std::string& header : {file, file + ".hdr", stem + ".hdr"})
+    if (header.ends_with(".hdr") && std::filesystem::exists(header, none)) return true;
+  return false;
 }
 
 std::vector<double> layer_of(GDALDataset& set, const std::string& file, const std::string& layer, std::int64_t samples,
@@ -104,6 +146,9 @@ std::vector<double> layer_of(GDALDataset& set, const std::string& file, const st
   if (band->RasterIO(GF_Read, 0, 0, static_cast<int>(samples), static_cast<int>(lines), out.data(),
                      static_cast<int>(samples), static_cast<int>(lines), GDT_Float64, 0, 0) != CE_None)
     throw Error(Fault::environment, file + ": could not be read" + gdal_reason());
+  int has = 0;
+  const double none = band->GetNoDataValue(&has), scale = band->GetScale(), offset = band->GetOffset();
+  for (double& v : out) v = has && v == none ? std::numeric_limits<double>::quiet_NaN() : v * scale + offset;
   return out;
 }
 
@@ -133,7 +178,8 @@ Region of_raster(const std::string& name, const std::string& text, GDALDataset& 
   double right = 0;
   if (!condition.empty() && !parse(wanted.right, right))
     refuse(text, fmt::format("\"{}\" is no number to compare {} with", wanted.right, file));
-  const std::vector<double> value = layer_of(set, file, wanted.left, cube.samples(), cube.lines());
+  const std::vector<double> value = is_envi(file) ? envi_layer(file, wanted.left, cube.samples(), cube.lines())
+                                                  : layer_of(set, file, wanted.left, cube.samples(), cube.lines());
   return region_where(name, cube.samples(), cube.lines(), [&](std::int64_t line, std::int64_t sample) {
     const double here = value[static_cast<std::size_t>(line * cube.samples() + sample)];
     return condition.empty() ? here != 0 && !std::isnan(here) : holds(here, wanted.comparison, right);
@@ -161,7 +207,7 @@ Region of_outlines(const std::string& name, const std::string& text, GDALDataset
                    const std::string& condition, const Cube& cube) {
   const Dataset grid = grid_of(cube);
   OGRLayer* const layer = set.GetLayer(0);
-  if (!layer) refuse(text, file + " has no layer of outlines");
+  if (!layer || layer->GetLayerDefn()->GetGeomFieldCount() == 0) refuse(text, file + " has no outlines");
   if (!condition.empty()) {
     const Condition wanted = condition_of(condition);
     if (wanted.left.empty() || layer->GetLayerDefn()->GetFieldIndex(wanted.left.c_str()) < 0)
@@ -205,9 +251,9 @@ Region read_region(const std::string& text, const Cube& cube) {
   const std::string name = text.substr(0, equals), what = text.substr(equals + 1);
   std::int64_t ends[4];
   if (parse_rectangle(what, ends)) return rectangle(name, text, ends, cube);
-  const auto at = what.rfind('@');
+  const auto at = std::filesystem::exists(what) ? std::string::npos : what.rfind('@');
   const std::string file = what.substr(0, at), condition = at == std::string::npos ? "" : what.substr(at + 1);
-  const Dataset set = open(file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
+  const Dataset set = open(is_envi(file) ? products::find_envi_pair(file).data : file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
   if (!set && !std::filesystem::exists(file)) refuse(text, file + " is no X0:X1,Y0:Y1, and no such file is there");
   if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads" + gdal_reason());
   Region out = set->GetRasterCount() > 0 ? of_raster(name, text, *set, file, condition, cube)
@@ -218,6 +264,7 @@ Region read_region(const std::string& text, const Cube& cube) {
 
 std::vector<double> read_layer(const std::string& file, const std::string& layer, std::int64_t samples,
                                std::int64_t lines) {
+  if (is_envi(file)) return envi_layer(file, layer, samples, lines);
   const Dataset set = open(file, GDAL_OF_RASTER);
   if (!set) throw Error(Fault::input, file + ": is no raster that can be read" + gdal_reason());
   return layer_of(*set, file, layer, samples, lines);

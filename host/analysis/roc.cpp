@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+
+#include <fmt/format.h>
 
 #include "host/base/error.h"
 #include "scene_compiler/counter_random.h"
@@ -32,9 +33,9 @@ std::vector<Positive> positives_of(const std::vector<double>& score, const std::
     if (target[p] > 0) whole[target[p]] += share[p];
   std::vector<Positive> out;
   for (std::size_t p = 0; p < share.size(); ++p) {
-    if (target[p] == 0 || std::isnan(score[p])) continue;
+    if (target[p] == 0) continue;
     const double part = options.share_of == ShareOf::pixel ? share[p] : share[p] / whole[target[p]];
-    if (part >= options.least_share) out.push_back({score[p], target[p]});
+    if (part >= options.least_share) out.push_back({std::isnan(score[p]) ? -HUGE_VAL : score[p], target[p]});
   }
   if (!options.per_target) return out;
   std::sort(out.begin(), out.end(),
@@ -122,6 +123,9 @@ std::vector<std::uint32_t> number_targets(const std::vector<double>& share, std:
 
 Roc roc(const std::vector<double>& score, const std::vector<double>& share, std::int64_t samples, std::int64_t lines,
         const RocOptions& options) {
+  for (const double s : share)
+    if (s > 1 + 1e-6)
+      throw Error(Fault::input, fmt::format("a share of {:g} in the truth: shares are parts of a pixel, at most 1", s));
   std::vector<double> turned = score;
   if (options.lower_is_target)
     for (double& s : turned) s = -s;
@@ -132,7 +136,7 @@ Roc roc(const std::vector<double>& score, const std::vector<double>& share, std:
   const std::vector<std::uint8_t> may_be_false = negatives_of(target, samples, lines, options);
   std::vector<double> negatives;
   for (std::size_t p = 0; p < turned.size(); ++p)
-    if (may_be_false[p] && !std::isnan(turned[p])) negatives.push_back(turned[p]);
+    if (may_be_false[p] && !std::isnan(turned[p]) && !std::isnan(share[p])) negatives.push_back(turned[p]);
   if (positives.empty()) throw Error(Fault::input, "no target pixel has as large a share as is asked for");
   if (negatives.empty())
     throw Error(Fault::input, "no pixel is left for false alarms: all are targets, or within the buffer around them");
@@ -140,6 +144,7 @@ Roc roc(const std::vector<double>& score, const std::vector<double>& share, std:
   std::sort(negatives.begin(), negatives.end(), std::greater<>());
   Roc out;
   out.positives = positives.size(), out.negatives = negatives.size();
+  for (const Positive& p : positives) out.not_scored += p.score == -HUGE_VAL;
   out.targets = *std::max_element(target.begin(), target.end());
   const double all = static_cast<double>(positives.size()), none = static_cast<double>(negatives.size());
   const double sign = options.lower_is_target ? -1 : 1;

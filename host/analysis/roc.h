@@ -39,6 +39,7 @@ struct RocPoint {
 struct Roc {
   std::vector<RocPoint> point;  ///< thresholds from strictest to none; scores that are alike come together
   std::uint64_t positives = 0, negatives = 0, targets = 0;
+  std::uint64_t not_scored = 0;                ///< positives without a score, which are not found at any threshold
   double area = 0;                             ///< under the curve
   double before_first_false_alarm = 0;         ///< detection rate above the highest negative
   double interval_low = 0, interval_high = 0;  ///< of that, 95 %: targets drawn again with their pixels, negatives kept
@@ -48,8 +49,8 @@ struct Roc {
 /// are from 1, in the order of their first pixels; 0: none.
 std::vector<std::uint32_t> number_targets(const std::vector<double>& share, std::int64_t samples, std::int64_t lines);
 
-/// score: not a number: the pixel takes no part. share: of each pixel's area, 0 to 1. Throws Error(input) where no
-/// target or no negative is left.
+/// score: not a number: no false alarm, and no target found. share: of each pixel's area, 0 to 1; not a number: the pixel
+/// takes no part. Throws Error(input) where a share is above 1, or no target or no negative is left.
 Roc roc(const std::vector<double>& score, const std::vector<double>& share, std::int64_t samples, std::int64_t lines,
         const RocOptions& options);
 

@@ -18,7 +18,9 @@ using base::Fault;
 
 constexpr std::size_t kLeastSide = 8;
 constexpr double kLeastStep = 1e-6, kLeastAngle_deg = 0.5, kMostAngle_deg = 40;
-constexpr double kEnd_px = 1;  ///< of what is seen on both sides: their means are the levels
+constexpr double kNear_px = 3;
+constexpr double kMostGap_px = 0.15;  ///< straight lines over such gaps take sinc(f gap)^2: 0.018 of an MTF at Nyquist
+constexpr double kEnd_px = 1;         ///< of what is seen on both sides: their means are the levels
 constexpr double kFrequencyStep = 0.01, kMostFrequency = 1;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -97,6 +99,15 @@ std::vector<EdgePixel> pixels_by_distance(const Patch& patch, double start, doub
     }
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.off < b.off; });
   return out;
+}
+
+/// How far neighbours are apart near the edge, the mean over places.
+double mean_gap(const std::vector<EdgePixel>& pixels) {
+  double squares = 0, whole = 0;
+  for (std::size_t i = 1; i < pixels.size(); ++i)
+    if (const double wide = pixels[i].off - pixels[i - 1].off; std::abs(pixels[i].off) < kNear_px)
+      squares += wide * wide, whole += wide;
+  return squares / whole;
 }
 
 /// Mean level of the pixels whose distance lies between two.
@@ -193,6 +204,13 @@ EdgeSpread slanted_edge(const std::vector<double>& value, std::size_t rows, std:
                             what, out.angle_deg, start, last, patch.columns, kLeastAngle_deg, kMostAngle_deg));
   double reach = 0;
   const std::vector<EdgePixel> pixels = pixels_by_distance(patch, start, slope, reach);
+  if (const double gap = mean_gap(pixels); gap > kMostGap_px)
+    throw Error(
+        Fault::input,
+        fmt::format("{}: its pixels lie {:.2f} pixels apart along the edge's normal ({} rows at {:.2f} degrees, "
+                    "whose phases repeat or do not fill a pixel), at most {:g} tell the transfer; take more rows, "
+                    "or an edge at another angle",
+                    what, gap, patch.rows, out.angle_deg, kMostGap_px));
   out.low = mean_level(pixels, -reach, kEnd_px - reach), out.high = mean_level(pixels, reach - kEnd_px, reach);
   transfer(pixels, reach, out);
   bin_edge(pixels, reach, out);

@@ -29,7 +29,8 @@ struct EdgeSpread {
 /// that of the pixels themselves, by their distances from the edge, and of straight lines between one and the next:
 /// means over quarter pixels, as the standard takes them, err by 0.04 where phases come unevenly. Pixels that do not
 /// count, Error(input), and so are: a region that is no rectangle or narrower than 8 pixels, no edge (a step below 1e-6
-/// of the level), one within 0.5 degrees of the pixels' rows and columns (its phases repeat) or past 40.
+/// of the level), one within 0.5 degrees of the pixels' rows and columns or past 40, rows too few or of
+/// phases that repeat, so that pixels are more than 0.15 apart along the normal.
 std::vector<EdgeSpread> slanted_edge(const Cube& cube, const Region& region);
 
 /// The same of one band's numbers, rows by columns.

@@ -67,6 +67,11 @@ NamedSpectrum of_file(const std::string& name, const std::string& what, const st
 
 }  // namespace
 
+bool is_curve_file(const std::string& what) {
+  const std::string file = what.substr(0, what.rfind('@'));
+  return file.ends_with(".csv") || file.ends_with(".sli");
+}
+
 std::vector<NamedSpectrum> read_spectra(const std::vector<std::string>& texts, const Cube& cube, const Pass& pass) {
   std::vector<NamedSpectrum> out(texts.size());
   std::vector<Region> regions;
@@ -81,7 +86,7 @@ std::vector<NamedSpectrum> read_spectra(const std::vector<std::string>& texts, c
       if (out[k].name == name) throw Error(Fault::input, fmt::format("two spectra are called \"{}\"", name));
     const auto sign = what.rfind('@');
     const std::string file = what.substr(0, sign), choice = sign == std::string::npos ? "" : what.substr(sign + 1);
-    if (file.ends_with(".csv") || file.ends_with(".sli")) {
+    if (is_curve_file(what)) {
       out[i] = of_file(name, what, file, choice, cube);
     } else {
       out[i] = {name, {}, what};

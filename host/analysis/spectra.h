@@ -16,6 +16,9 @@ struct NamedSpectrum {
   std::string source;     ///< what was asked for, as written
 };
 
+/// Whether what is written is a curve's file, with or without @ and a name in it.
+bool is_curve_file(const std::string& what);
+
 /// Reads spectra written as NAME=WHAT: WHAT is a region of the cube (read_region), whose mean is taken, or a file of
 /// reflectances: FILE.csv (wavelength_nm and reflectance; of several columns FILE.csv@COLUMN), FILE.sli@NAME of an ENVI
 /// library. A file's curve is averaged over each band's Gaussian response of the header's full width at half maximum,

@@ -5,6 +5,11 @@
 #include "host/base/error.h"
 
 namespace raycube::analysis {
+namespace {
+
+constexpr std::size_t kMatrices_bytes = std::size_t{256} << 20;
+
+}  // namespace
 
 Eigen::VectorXd RegionStatistics::mean() const {
   Eigen::VectorXd out(static_cast<Eigen::Index>(band.size()));
@@ -44,8 +49,11 @@ std::vector<RegionStatistics> region_statistics(const Cube& cube, const std::vec
 
 std::vector<Moments> region_moments(const Cube& cube, const std::vector<Region>& regions, const Pass& pass) {
   const std::vector<Moments> empty(regions.size(), Moments(cube.bands()));
-  std::vector<std::vector<Moments>> part(parts_of(cube).size(), empty);
-  for_each_part(cube, pass, [&](std::size_t number, const Pixels& pixels) {
+  Pass few = pass;  // each part holds a matrix for each region
+  const std::size_t size = std::max<std::size_t>(1, regions.size() * cube.bands() * cube.bands() * sizeof(double));
+  few.most_parts = static_cast<int>(std::clamp<std::size_t>(kMatrices_bytes / size, 1, kMostParts));
+  std::vector<std::vector<Moments>> part(parts_of(cube, few.most_parts).size(), empty);
+  for_each_part(cube, few, [&](std::size_t number, const Pixels& pixels) {
     std::vector<std::vector<double>> taken(regions.size());
     for_each_in(regions, pixels, [&](std::size_t r, std::size_t p) {
       if (pixels.counts[p]) taken[r].insert(taken[r].end(), pixels.at(p), pixels.at(p) + pixels.bands);

@@ -16,7 +16,7 @@ using base::Error;
 using base::Fault;
 
 constexpr double kLeastApart = 1e-10;  ///< of endmembers, over their size
-constexpr double kSmall = 1e-12;       ///< of gradients and shares, over the largest: roundings
+constexpr double kSmall = 1e-12;       ///< of gradients, over the largest: roundings
 
 }  // namespace
 
@@ -43,11 +43,13 @@ Unmixing::Unmixing(const std::vector<NamedSpectrum>& endmembers, Constraint cons
                size = spectra_.cwiseAbs().maxCoeff();
   if (!(last > kLeastApart * size * std::sqrt(static_cast<double>(bands))))
     throw Error(Fault::input, "one endmember is a mixture of the others (or two are the same); leave one out");
-  // A pixel's part across the endmembers says all: |x - E a|^2 = |z - T a|^2 + what no mixture explains.
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(spectra_);
-  const Eigen::Index rows = std::min(bands, count);
-  across_ = qr.householderQ() * Eigen::MatrixXd::Identity(bands, rows);
-  triangle_ = across_.transpose() * spectra_;
+  // A pixel's part across the endmembers says all: |x - E a|^2 = |z - T a|^2 + what no mixture explains. Where shares
+  // sum to 1 it is the same from the first endmember on, and close endmembers lose no digits.
+  from_ =
+      constraint == Constraint::none ? Eigen::VectorXd(Eigen::VectorXd::Zero(bands)) : Eigen::VectorXd(spectra_.col(0));
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(apart);
+  across_ = qr.householderQ() * Eigen::MatrixXd::Identity(bands, std::min(bands, apart.cols()));
+  triangle_ = across_.transpose() * (spectra_.colwise() - from_);
   const std::uint32_t sets = 1u << endmembers.size();
   supports_.resize(sets);
   for (std::uint32_t set = 1; set < sets; ++set)
@@ -89,7 +91,7 @@ std::uint32_t Unmixing::constrained_set(const Eigen::VectorXd& z, Eigen::VectorX
   (triangle_.colwise() - z).colwise().squaredNorm().minCoeff(&best);
   std::uint32_t set = 1u << best;
   share = Eigen::VectorXd::Unit(count, best);
-  const double size = std::max(triangle_.cwiseAbs().maxCoeff(), z.cwiseAbs().maxCoeff());
+  const double apart = triangle_.cwiseAbs().maxCoeff(), size = apart * std::max(apart, z.cwiseAbs().maxCoeff());
   for (int round = 0; round < 100; ++round) {
     const Support& here = support(set);
     const Eigen::VectorXd wanted = here.times * z + here.plus;
@@ -111,7 +113,7 @@ std::uint32_t Unmixing::constrained_set(const Eigen::VectorXd& z, Eigen::VectorX
     double level = 0;
     for (const int e : here.member) level += slope[e] / static_cast<double>(here.member.size());
     int comes = -1;
-    double steepest = -kSmall * size * size;
+    double steepest = -kSmall * size;
     for (int e = 0; e < static_cast<int>(count); ++e)
       if (!(set >> e & 1) && slope[e] - level < steepest) steepest = slope[e] - level, comes = e;
     if (comes < 0) break;
@@ -122,7 +124,7 @@ std::uint32_t Unmixing::constrained_set(const Eigen::VectorXd& z, Eigen::VectorX
 
 double Unmixing::solve(const double* pixel, double* share) const {
   const Eigen::Map<const Eigen::VectorXd> x(pixel, spectra_.rows());
-  const Eigen::VectorXd z = across_.transpose() * x;
+  const Eigen::VectorXd z = across_.transpose() * (x - from_);
   Eigen::VectorXd found;
   if (constraint_ == Constraint::full) {
     constrained_set(z, found);

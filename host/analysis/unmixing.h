@@ -48,7 +48,8 @@ class Unmixing {
 
   Constraint constraint_;
   Eigen::MatrixXd spectra_;            ///< [band][endmember]
-  Eigen::MatrixXd across_, triangle_;  ///< E = across_ triangle_, columns of across_ orthonormal
+  Eigen::VectorXd from_;               ///< what is taken off pixels and endmembers first
+  Eigen::MatrixXd across_, triangle_;  ///< E - from_ = across_ triangle_, columns of across_ orthonormal
   std::vector<Support> supports_;      ///< [bits of the set]
 };
 

@@ -1,4 +1,6 @@
 // raycube analyze kmeans | classify: maps of classes, found or taught.
+#include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <ostream>
 
@@ -31,15 +33,12 @@ int k_means(const KMeansRequest& request, Invocation& invocation) {
   const analysis::Cube cube(request.cube, request.bands);
   analysis::KMeansOptions options = request.options;
   options.least_change = request.least_change_percent / 100;
-  options.seed = invocation.common.seed.value_or(1), options.memory_bytes = invocation.common.memory_bytes;
+  options.seed = invocation.common.seed.value_or(1);
   AnalysisFolder folder(invocation, request, "kmeans");
   const std::vector<std::string> names = numbered(options.classes);
   analysis::MapFiles map =
       analysis::MapFiles::of_classes(folder.set(), "kmeans", cube, names, "Classes of " + cube.path() + " by k-means");
-  const analysis::KMeans found = [&] {
-    const run::Step step(services, "classes", 0, "lines");
-    return analysis::k_means(cube, options, {services.threads, [&](std::int64_t) { step.advance(0); }});
-  }();
+  const analysis::KMeans found = analysis::k_means(cube, options, {services.threads});
   analysis::for_each_part(cube, ShownPass(services, "map", cube), [&](std::size_t, const analysis::Pixels& pixels) {
     const auto first = found.number.begin() + pixels.first_line * pixels.samples;
     map.write(pixels, std::vector<double>(first, first + static_cast<std::ptrdiff_t>(pixels.count())));
@@ -80,8 +79,9 @@ std::vector<double> priors_of(const ClassifyRequest& request, const std::vector<
     const auto equals = text.find('=');
     std::size_t k = 0;
     while (k < names.size() && names[k] != text.substr(0, equals)) ++k;
-    const double share = equals == std::string::npos ? -1 : std::strtod(text.c_str() + equals + 1, nullptr);
-    if (k == names.size() || !(share > 0))
+    char* end = nullptr;
+    const double share = equals == std::string::npos ? -1 : std::strtod(text.c_str() + equals + 1, &end);
+    if (k == names.size() || !(share > 0) || !std::isfinite(share) || *end != '\0')
       throw base::Error(base::Fault::input, fmt::format("prior \"{}\": give CLASS=SHARE, above 0; the classes are {}",
                                                         text, fmt::join(names, ", ")));
     out[k] = share;
@@ -144,6 +144,8 @@ int classify(const ClassifyRequest& request, Invocation& invocation) {
   folder.numbers()["shrink"] = request.shrink;
   if (!truth.empty()) {
     const analysis::Confusion confusion = counted.result();
+    if (confusion.total() == 0)
+      throw base::Error(base::Fault::input, "no pixel of the truth has finite numbers that are not ignored");
     folder.numbers()["confusion"] = {{"names", names},
                                      {"count", confusion.count},
                                      {"accuracy", confusion.accuracy()},
@@ -164,10 +166,12 @@ Verb verb_analyze_kmeans() {
       "Lloyd's rounds until no more than --change of the pixels change their class. Centres start along the mean, from "
       "one standard deviation of each band below it to one above (--start spread), or at pixels drawn by how far they "
       "are from those before (plusplus, --seed). kmeans.img and kmeans.tif are maps of classes, centers.csv has their "
-      "means. A cube that does not fit into --memory is read anew each round.";
+      "means. Takes some 90 bytes of memory a pixel; float32 cubes in BIP are looked at where they lie, others read "
+      "anew "
+      "each round.";
   verb.examples = {"raycube analyze kmeans cube.img --count 5",
                    "raycube analyze kmeans cube.img --start plusplus --seed 7"};
-  verb.common = kOutput | kThreads | kSeed | kMemory;
+  verb.common = kOutput | kThreads | kSeed;
   verb.output_default = "kmeans";
   verb.add_options = [o](base::OptionTable& table) {
     add_cube_options(table, *o);

@@ -97,15 +97,7 @@ int scorecard(const ScorecardRequest& request, Invocation& invocation) {
   if (request.other.empty()) throw base::Error(base::Fault::input, "give the second cube: --other CUBE");
   const run::Services services = services_of(invocation);
   const analysis::Cube cube(request.cube, request.bands), other(request.other, request.bands);
-  if (other.bands() != cube.bands())
-    throw base::Error(base::Fault::input, fmt::format("{} has {} bands, {} {}; they must be the same", cube.path(),
-                                                      cube.bands(), other.path(), other.bands()));
-  const std::vector<double> um = cube.wavelength_um(), other_um = other.wavelength_um();
-  for (std::size_t b = 0; b < std::min(um.size(), other_um.size()); ++b)
-    if (std::abs(um[b] - other_um[b]) > 0.01 * um[b])
-      throw base::Error(base::Fault::input,
-                        fmt::format("band {} of {} lies at {:g} nm, that of {} at {:g} nm; choose --bands alike", b + 1,
-                                    cube.path(), 1e3 * um[b], other.path(), 1e3 * other_um[b]));
+  analysis::require_same_bands(cube, other);
   const auto moments = [&](const analysis::Cube& of) {
     const analysis::Moments found = analysis::moments_of(of, ShownPass(services, "covariance", of));
     if (found.count() < 2)

@@ -31,7 +31,7 @@ analysis::Chooses background_of(const DetectRequest& request, const analysis::Cu
   };
 }
 
-/// Highest score of each layer and where it is.
+/// Score of each layer that is most like a target, and where it is: the highest, of angles the lowest.
 struct Peak {
   double score = -HUGE_VAL;
   std::int64_t line = 0, sample = 0;
@@ -48,6 +48,7 @@ int detect(const DetectRequest& request, Invocation& invocation) {
   const analysis::Detection detection(names, targets, background, request.shrink);
   AnalysisFolder folder(invocation, request, "detect");
   analysis::MapFiles maps(folder.set(), "detect", cube, detection.layers(), "Scores of detectors of " + cube.path());
+  const auto of_angle = [&](std::size_t layer) { return detection.layers()[layer].starts_with("sam "); };
   std::vector<std::vector<Peak>> peak(analysis::kMostParts, std::vector<Peak>(detection.layers().size()));
   analysis::for_each_part(cube, ShownPass(services, "detect", cube),
                           [&](std::size_t part, const analysis::Pixels& pixels) {
@@ -56,8 +57,10 @@ int detect(const DetectRequest& request, Invocation& invocation) {
                             for (std::size_t i = 0; i < scores.size(); ++i) {
                               Peak& best = peak[part][i % detection.layers().size()];
                               const auto p = static_cast<std::int64_t>(i / detection.layers().size());
-                              if (scores[i] > best.score)
-                                best = {scores[i], pixels.first_line + p / pixels.samples, p % pixels.samples};
+                              const std::size_t layer = i % detection.layers().size();
+                              const double sign = of_angle(layer) ? -1 : 1;
+                              if (sign * scores[i] > best.score)
+                                best = {sign * scores[i], pixels.first_line + p / pixels.samples, p % pixels.samples};
                             }
                             maps.write(pixels, scores);
                           });
@@ -68,9 +71,11 @@ int detect(const DetectRequest& request, Invocation& invocation) {
     Peak best;
     for (const auto& part : peak)
       if (part[k].score > best.score) best = part[k];
+    const char* const which = of_angle(k) ? "lowest" : "highest";
+    if (of_angle(k)) best.score = -best.score;
     folder.numbers()["layers"].push_back(
-        {{"layer", detection.layers()[k]}, {"highest", best.score}, {"line", best.line}, {"sample", best.sample}});
-    text += fmt::format("{}: highest {:.6g} at line {}, sample {}\n", detection.layers()[k], best.score, best.line,
+        {{"layer", detection.layers()[k]}, {which, best.score}, {"line", best.line}, {"sample", best.sample}});
+    text += fmt::format("{}: {} {:.6g} at line {}, sample {}\n", detection.layers()[k], which, best.score, best.line,
                         best.sample);
   }
   folder.numbers()["background"] = {{"pixels", background.count()}, {"shrink", request.shrink}};

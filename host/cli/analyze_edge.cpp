@@ -87,9 +87,10 @@ Verb verb_analyze_edge() {
   auto o = std::make_shared<EdgeRequest>();
   Verb verb("edge", "Edge spread, line spread and modulation transfer of each band, from a slanted edge");
   verb.description =
-      "In the steps of ISO 12233, annex D: the edge is fitted through the rows' centroids, pixels are sorted by their "
-      "distance from it into quarter pixels, differenced and transformed; what binning and differencing take from the "
-      "transfer is divided out. Frequencies are along the edge's normal, in cycles per pixel. The region is a "
+      "The edge is fitted through the rows' centroids (ISO 12233, annex D) and pixels are sorted by their distance "
+      "from "
+      "it; the transfer is that of straight lines between them. Frequencies are along the edge's normal, in cycles per "
+      "pixel. The region is a "
       "rectangle "
       "with one straight edge that leaves by two opposite sides, at 0.5 to 40 degrees to rows or columns.";
   verb.examples = {"raycube analyze edge cube.img --region edge=20:59,100:139 --pixel 1.0",

@@ -36,7 +36,10 @@ Found structure_of(const analysis::Cube& cube, const EigenRequest& request, cons
   if (moments.count() < 2)
     throw base::Error(base::Fault::input, fmt::format("{}: a covariance needs two pixels or more (found {})",
                                                       cube.path(), moments.count()));
-  return {moments.count(), analysis::eigen_structure(moments.covariance())};
+  Found out{moments.count(), analysis::eigen_structure(moments.covariance())};
+  if (!(out.structure.values[0] > 0))
+    throw base::Error(base::Fault::input, cube.path() + ": all pixels are alike; there is no direction to find");
+  return out;
 }
 
 nlohmann::ordered_json json_of(const analysis::Cube& cube, const Found& found, std::size_t count) {
@@ -75,9 +78,7 @@ int eigen(const EigenRequest& request, Invocation& invocation) {
     for (std::size_t k = 0; k < count; ++k) text += line(k) + "\n";
   } else {
     const analysis::Cube other(request.other, request.bands);
-    if (other.bands() != cube.bands())
-      throw base::Error(base::Fault::input, fmt::format("{} has {} bands, {} {}; they must be the same", cube.path(),
-                                                        cube.bands(), other.path(), other.bands()));
+    analysis::require_same_bands(cube, other);
     const Found second = structure_of(other, request, services);
     folder.numbers()["structures"].push_back(json_of(other, second, count));
     add_columns(second, "other_eigenvector_");

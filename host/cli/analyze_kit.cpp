@@ -50,6 +50,13 @@ AnalysisFolder::AnalysisFolder(const Invocation& invocation, const AnalyzeReques
       request_(request),
       verb_(verb),
       set_(invocation.common.output.empty() ? verb : invocation.common.output, if_exists(invocation.common)) {
+  if (invocation.common.overwrite) {
+    std::vector<std::string> earlier;  // what this verb may have left there, with other options
+    for (const char* end : {".json", ".png", ".csv", ".img", ".hdr", ".tif"}) earlier.push_back(verb + end);
+    for (const char* table : {"endmembers.csv", "centers.csv", "eigenvectors.csv", "line.csv", "mtf.csv"})
+      earlier.push_back(table);
+    set_.replaces(earlier);
+  }
   numbers_["analysis"] = verb, numbers_["command"] = invocation.command_line;
   numbers_["version"] = base::kVersion;
 }

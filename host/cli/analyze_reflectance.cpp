@@ -34,10 +34,16 @@ std::vector<Eigen::VectorXd> reflectances_of(const ReflectanceRequest& request, 
     char* end = nullptr;
     const std::string what = text.substr(equals + 1);
     const double number = std::strtod(what.c_str(), &end);
-    if (!what.empty() && *end == '\0' && number >= 0 && number <= 2)
+    if (!what.empty() && *end == '\0') {
+      if (!(number >= 0 && number <= 2))
+        throw base::Error(base::Fault::input, fmt::format("reflectance \"{}\": is a number from 0 to 2", text));
       out[k] = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(cube.bands()), number);
-    else
+    } else if (analysis::is_curve_file(what)) {
       out[k] = analysis::read_spectra({text}, cube, {}).front().value;
+    } else {
+      throw base::Error(base::Fault::input,
+                        fmt::format("reflectance \"{}\": give a number, FILE.csv or FILE.sli@NAME", text));
+    }
   }
   for (std::size_t k = 0; k < panels.size(); ++k)
     if (out[k].size() == 0)
@@ -82,6 +88,12 @@ void write_cube(const analysis::Cube& cube, const analysis::EmpiricalLine& line,
 int reflectance(const ReflectanceRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
   const analysis::Cube cube(request.cube, request.bands);
+  for (const std::string& text : request.panels)
+    if (const auto equals = text.find('=');
+        equals != std::string::npos && analysis::is_curve_file(text.substr(equals + 1)))
+      throw base::Error(base::Fault::input, fmt::format("panel \"{}\": is a region of the cube; its curve goes to "
+                                                        "--reflectance",
+                                                        text));
   const auto means = analysis::read_spectra(request.panels, cube, ShownPass(services, "panels", cube));
   const std::vector<Eigen::VectorXd> known = reflectances_of(request, cube, means);
   std::vector<analysis::Panel> panels;

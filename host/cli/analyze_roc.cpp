@@ -1,5 +1,7 @@
 // raycube analyze roc: how a map of scores finds targets that are known.
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <ostream>
 
@@ -22,8 +24,9 @@ struct RocRequest : AnalyzeRequest {
 };
 
 /// FILE or FILE@LAYER.
-std::vector<double> layer_of(const std::string& text, const analysis::Cube& cube) {
-  const auto at = text.rfind('@');
+std::vector<double> truth_of(const std::string& text, const analysis::Cube& cube) {
+  const bool whole = std::filesystem::exists(text);
+  const auto at = whole ? std::string::npos : text.rfind('@');
   return analysis::read_layer(text.substr(0, at), at == std::string::npos ? "" : text.substr(at + 1), cube.samples(),
                               cube.lines());
 }
@@ -57,8 +60,8 @@ int roc(const RocRequest& request, Invocation& invocation) {
     throw base::Error(base::Fault::input,
                       "a curve needs the truth: --truth FILE@LAYER, as truth.img@abundance_green of a render");
   const analysis::Cube cube(request.cube, request.bands);
-  const std::vector<double> score = layer_of(cube.path() + (request.layer.empty() ? "" : "@" + request.layer), cube);
-  const std::vector<double> share = layer_of(request.truth, cube);
+  const std::vector<double> score = analysis::read_layer(cube.path(), request.layer, cube.samples(), cube.lines()),
+                            share = truth_of(request.truth, cube);
   analysis::RocOptions options = request.options;
   options.false_alarms =
       request.false_alarms == "exact" ? analysis::FalseAlarms::exact : analysis::FalseAlarms::outside_area;
@@ -78,6 +81,7 @@ int roc(const RocRequest& request, Invocation& invocation) {
                                           {"positives", found.positives},
                                           {"negatives", found.negatives},
                                           {"targets", found.targets},
+                                          {"not_scored", found.not_scored},
                                           {"area", found.area},
                                           {"before_first_false_alarm", found.before_first_false_alarm},
                                           {"interval_95", {found.interval_low, found.interval_high}},
@@ -89,6 +93,8 @@ int roc(const RocRequest& request, Invocation& invocation) {
         request.share_of, least, found.positives, options.per_target ? "targets" : "pixels", found.targets,
         found.negatives, 100 * found.before_first_false_alarm, 100 * found.interval_low, 100 * found.interval_high,
         found.area);
+    if (found.not_scored > 0)
+      text += fmt::format("  {} of them have no score, and count as not found\n", found.not_scored);
   }
   table.finish();
   folder.numbers()["false_alarms"] = request.false_alarms, folder.numbers()["buffer_px"] = options.buffer_px;

@@ -6,6 +6,7 @@
 
 #include "host/analysis/statistics.h"
 #include "host/analysis/unmixing.h"
+#include "host/base/error.h"
 #include "host/cli/analyze_kit.h"
 #include "host/cli/analyze_verbs.h"
 #include "host/cli/services.h"
@@ -49,6 +50,9 @@ int unmix(const UnmixRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
   const analysis::Cube cube(request.cube, request.bands);
   std::vector<analysis::Region> regions = regions_of(request, cube);
+  for (const analysis::Region& region : regions)
+    if (region.name() == "image")
+      throw base::Error(base::Fault::input, "a region cannot be called \"image\", which is the whole");
   regions.push_back(analysis::region_where("image", cube.samples(), cube.lines(), [](auto, auto) { return true; }));
   const auto endmembers = analysis::read_spectra(request.endmembers, cube, ShownPass(services, "endmembers", cube));
   const analysis::Unmixing unmixing(endmembers, analysis::parse_constraint(request.constraint));
@@ -72,6 +76,9 @@ int unmix(const UnmixRequest& request, Invocation& invocation) {
   text += "\n";
   for (std::size_t r = 0; r < regions.size(); ++r) {
     nlohmann::ordered_json json = {{"region", regions[r].name()}, {"pixels", means.of(r, 0).count}};
+    if (means.of(r, 0).count == 0)
+      throw base::Error(base::Fault::input, "no pixel of the region \"" + regions[r].name() +
+                                                "\" has finite numbers that are not the header's ignore value");
     text += fmt::format("{:<20}", regions[r].name());
     for (std::size_t k = 0; k < layers.size(); ++k) {
       const products::BandStatistics of = means.of(r, k);

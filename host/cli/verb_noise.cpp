@@ -1,15 +1,15 @@
 // `raycube noise`: what an instrument's detector would have measured of a stored cube.
-#include <filesystem>
+#include <cmath>
 #include <memory>
 #include <ostream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/analysis/cube.h"
 #include "host/base/error.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
-#include "host/products/envi_reader.h"
 #include "host/run/camera_job.h"
 #include "host/run/load_job.h"
 #include "host/run/measured_cube.h"
@@ -40,8 +40,7 @@ const scene::Instrument& pick(const scene::Simulation& simulation, const std::st
 }
 
 /// Whether the cube is one that the instrument takes.
-void check_fits(const products::EnviReader& cube, const scene::Instrument& instrument, const std::string& path) {
-  const products::EnviHeader& h = cube.header();
+void check_fits(const products::EnviHeader& h, const scene::Instrument& instrument, const std::string& path) {
   if (h.samples != instrument.pixels || h.lines != instrument.lines ||
       h.bands != static_cast<std::int64_t>(instrument.bands.size()))
     throw base::Error(
@@ -50,7 +49,6 @@ void check_fits(const products::EnviReader& cube, const scene::Instrument& instr
                     "the same",
                     path, h.samples, h.lines, h.bands, instrument.name, instrument.pixels, instrument.lines,
                     instrument.bands.size()));
-  if (h.type().components != 1) throw base::Error(base::Fault::input, path + ": holds complex numbers");
   const std::vector<double> um = h.wavelength_um();
   for (std::size_t b = 0; b < um.size(); ++b)
     if (std::abs(um[b] - instrument.bands[b].center_um) > 1e-3 * instrument.bands[b].center_um)
@@ -63,16 +61,21 @@ int noise(const NoiseRequest& request, Invocation& invocation) {
   run::Services services = services_of(invocation);
   const scene::Simulation simulation = run::load_job(request.file, invocation.common.seed, services);
   const scene::Instrument& instrument = pick(simulation, request.instrument);
-  const products::EnviReader cube(request.cube);
-  check_fits(cube, instrument, request.cube);
+  check_fits(products::read_envi_header(products::find_envi_pair(request.cube).header), instrument, request.cube);
+  const analysis::Cube cube(request.cube, {"1:" + std::to_string(instrument.bands.size()), ""});  // bad ones too
   base::OutputSet set(invocation.common.output.empty() ? "noise" : invocation.common.output,
                       if_exists(invocation.common));
+  if (invocation.common.overwrite) set.replaces({"measured.img", "measured.hdr", "detector.csv", "bad_elements.csv"});
   const auto read = [&](std::int64_t first, std::int64_t lines, float* to) {
-    const std::vector<double> values = cube.read_lines_scaled(first, lines);
-    for (std::size_t i = 0; i < values.size(); ++i) to[i] = static_cast<float>(values[i]);
+    analysis::Pixels pixels;
+    cube.read(first, lines, pixels);
+    for (std::size_t p = 0; p < pixels.count(); ++p)
+      for (std::size_t b = 0; b < pixels.bands; ++b)
+        to[p * pixels.bands + b] = pixels.counts[p] ? static_cast<float>(pixels.at(p)[b]) : NAN;
   };
   products::EnviHeader header = cube.header();
   header.header_offset = 0, header.data_gain.clear(), header.data_offset.clear(), header.warnings.clear();
+  header.data_ignore_value.reset(), header.reflectance_scale_factor.reset();
   if (!header.wavelength.empty() && header.wavelength_um().empty()) header.wavelength.clear(), header.fwhm.clear();
   if (!header.wavelength.empty()) {
     header.wavelength = header.wavelength_um();

@@ -97,7 +97,8 @@ def classify(data, figure):
             parts[1].text(j, i, f"{n:.0f}", ha="center", va="center", fontsize=8, color=color)
         parts[1].set_xticks(range(len(names) + 1), [*names, "none"], rotation=45, ha="right")
         parts[1].set_yticks(range(len(names)), names)
-        title = f"accuracy {confusion['accuracy']:.3f}, kappa {confusion['kappa']:.3f}"
+        kappa = "not defined" if confusion["kappa"] is None else f"{confusion['kappa']:.3f}"
+        title = f"accuracy {confusion['accuracy']:.3f}, kappa {kappa}"
         parts[1].set(xlabel="map", ylabel="truth", title=title)
         figure.colorbar(image, ax=parts[1], label="share of the truth's pixels")
 

@@ -47,7 +47,7 @@ std::vector<BandStatistics> band_statistics(const EnviReader& reader,
       const std::size_t b = i / parts % bands;
       BandStatistics& band = out[b];
       double value = stored[i];
-      if (h.data_ignore_value && value == *h.data_ignore_value) {
+      if (h.ignores(value)) {
         ++band.ignored;
         continue;
       }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cctype>
 
 #include <fmt/format.h>
@@ -88,6 +89,15 @@ const EnviType& EnviHeader::type() const {
 std::uint64_t EnviHeader::data_bytes() const {
   return static_cast<std::uint64_t>(samples) * static_cast<std::uint64_t>(lines) * static_cast<std::uint64_t>(bands) *
          type().bytes;
+}
+
+bool EnviHeader::ignores(double stored) const {
+  if (!data_ignore_value) return false;
+  const double value = *data_ignore_value;
+  if (stored == value) return true;
+  if (data_type != 4 && data_type != 6) return false;
+  const bool written_short = std::abs(value) > 1e30 && std::abs(stored - value) <= 1e-5 * std::abs(value);
+  return written_short || (std::abs(value) <= 3.4e38 && stored == static_cast<double>(static_cast<float>(value)));
 }
 
 std::vector<double> EnviHeader::wavelength_um() const {

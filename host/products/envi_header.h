@@ -49,6 +49,9 @@ struct EnviHeader {
 
   const EnviType& type() const;      ///< Error(bug) for an unknown code
   std::uint64_t data_bytes() const;  ///< samples * lines * bands * sample size
+  /// Whether a stored number is the data ignore value: as the file's type holds it, and as headers write the largest
+  /// floats, in six digits.
+  bool ignores(double stored) const;
   /// Wavelengths in micrometres; empty when there are none or their unit is no wavelength (Index, Unknown).
   std::vector<double> wavelength_um() const;
   std::vector<double> fwhm_um() const;

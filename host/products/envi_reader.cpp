@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -207,6 +208,18 @@ void EnviReader::read_bands(std::int64_t first, std::int64_t count, std::span<co
     for (std::size_t k = 0; k < chosen.size(); ++k)
       part_of_band(raw.data() + l * line_bytes * bands + chosen[k] * (bip ? bytes : line_bytes),
                    bip ? bands * bytes : bytes, samples, out.data() + l * samples * pixel + k * parts);
+}
+
+std::shared_ptr<const float> EnviReader::map_floats() const {
+  const State& s = *state_;
+  const EnviHeader& h = s.header;
+  const bool native = (h.byte_order == 1) == (std::endian::native == std::endian::big);
+  if (h.data_type != 4 || h.interleave != Interleave::bip || !native || h.header_offset % sizeof(float) != 0) return {};
+  const std::size_t bytes = static_cast<std::size_t>(h.header_offset + h.data_bytes());
+  void* const start = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, s.fd, 0);
+  if (start == MAP_FAILED) return {};
+  const auto* const first = reinterpret_cast<const float*>(static_cast<const unsigned char*>(start) + h.header_offset);
+  return {first, [start, bytes](const float*) { ::munmap(start, bytes); }};
 }
 
 std::vector<double> EnviReader::read_lines_scaled(std::int64_t first, std::int64_t count) const {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/base/error.h"
 #include "host/base/parallel.h"
 #include "host/products/csv_writer.h"
 #include "host/products/envi_writer.h"
@@ -23,16 +24,17 @@ std::int64_t lines_at_once(const scene::Instrument& instrument) {
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(kNumbersAtOnce / line));
 }
 
-/// Means of the bands over the image, line by line, so that the order of work says nothing.
+/// Means of the bands over the pixels of the image that are finite, line by line, so that the order of work says nothing.
 std::vector<double> band_means(const scene::Instrument& instrument, const ReadsRadiance& read) {
   const std::size_t bands = instrument.bands.size();
-  std::vector<double> sum(bands, 0.0);
+  std::vector<double> sum(bands, 0.0), count(bands, 0.0);
   std::vector<float> line(static_cast<std::size_t>(instrument.pixels) * bands);
   for (std::int64_t l = 0; l < instrument.lines; ++l) {
     read(l, 1, line.data());
-    for (std::size_t i = 0; i < line.size(); ++i) sum[i % bands] += static_cast<double>(line[i]);
+    for (std::size_t i = 0; i < line.size(); ++i)
+      if (std::isfinite(line[i])) sum[i % bands] += static_cast<double>(line[i]), ++count[i % bands];
   }
-  for (double& s : sum) s /= static_cast<double>(instrument.pixels) * static_cast<double>(instrument.lines);
+  for (std::size_t b = 0; b < bands; ++b) sum[b] = count[b] > 0 ? sum[b] / count[b] : 0;
   return sum;
 }
 
@@ -104,6 +106,11 @@ MeasuredCube measure_cube(const scene::Instrument& instrument, std::uint64_t see
     const auto line = static_cast<std::size_t>(instrument.pixels) * instrument.bands.size();
     std::vector<float> light(static_cast<std::size_t>(lines) * line), stored(light.size());
     read(first, lines, light.data());
+    if (detector.digital() && !std::all_of(light.begin(), light.end(), [](float v) { return std::isfinite(v); }))
+      throw base::Error(base::Fault::input,
+                        fmt::format("lines {} to {}: some radiance is no number, or the header's ignore value, which "
+                                    "digital numbers cannot hold; take out detector.bits, or such pixels",
+                                    first, first + lines - 1));
     std::uint64_t cut = 0;
     for (std::int64_t l = 0; l < lines; ++l) {
       const std::size_t at = static_cast<std::size_t>(l) * line;

@@ -73,6 +73,13 @@ VarianceLine line_at(const std::vector<VarianceLine>& lines, double um) {
   return {um, sigma * sigma, at(x, slope, um)};
 }
 
+/// An instrument's own (FNV-1a of its name): two cameras do not share their noise.
+std::uint64_t seed_of(std::uint64_t seed, const std::string& name) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  return seed ^ hash;
+}
+
 }  // namespace
 
 double width_um(const scene::Band& band) {
@@ -84,7 +91,7 @@ double width_um(const scene::Band& band) {
 }
 
 Detector::Detector(const scene::Instrument& instrument, std::uint64_t seed, std::vector<double> band_mean)
-    : instrument_(instrument), spec_(*instrument.detector), seed_(seed) {
+    : instrument_(instrument), spec_(*instrument.detector), seed_(seed_of(seed, instrument.name)) {
   const std::vector<VarianceLine> lines = variance_lines(spec_.noise);
   const double opening = std::numbers::pi / 4 * spec_.aperture_diameter_m * spec_.aperture_diameter_m,
                solid_angle = instrument.ifov_across_rad * instrument.ifov_along_rad;
@@ -96,6 +103,13 @@ Detector::Detector(const scene::Instrument& instrument, std::uint64_t seed, std:
       continue;
     }
     if (!lines.empty()) {
+      if (um < lines.front().wavelength_um || um > lines.back().wavelength_um)
+        throw base::Error(
+            base::Fault::input,
+            fmt::format("detector.noise: reaches from {:g} to {:g} nm, band {} of '{}' lies at {:g} nm; add "
+                        "rows",
+                        1e3 * lines.front().wavelength_um, 1e3 * lines.back().wavelength_um, b + 1, instrument.name,
+                        1e3 * um));
       const VarianceLine line = line_at(lines, um);
       if (!(line.slope > 0)) {
         band.sigma_radiance = std::sqrt(line.constant);
@@ -162,6 +176,10 @@ std::uint64_t Detector::measure(std::int64_t line, std::int64_t first_sample, st
       const BandNoise& band = band_[static_cast<std::size_t>(b)];
       const auto i = static_cast<std::size_t>(s * bands + b);
       const double light = static_cast<double>(radiance[i]);
+      if (!std::isfinite(light)) {  // no light is known: nothing is measured
+        out[i] = std::numeric_limits<float>::quiet_NaN();
+        continue;
+      }
       const Element here = element(number, b);
       if (!std::isnan(here.bad)) {
         out[i] = static_cast<float>(here.bad);

@@ -169,6 +169,25 @@ def refusals(folder):
         (write_cube(folder / "hole.img", hole), "e=0:31,0:31", "line 3, sample 3 is not finite"),
     ):
         program.refused("analyze", "edge", cube, "--region", region, "-o", folder / "no", status=2, says=[says])
+    for degrees, lines in (
+        (math.degrees(math.atan(0.5)), 64),
+        (math.degrees(math.atan(1 / 3)), 64),
+        (0.6, 40),
+        (3, 12),
+    ):
+        image = image_of(BLURS[1][1], math.radians(degrees))[:lines]
+        cube = write_cube(folder / "few.img", image[..., None], dtype="f8")
+        program.refused(
+            "analyze",
+            "edge",
+            cube,
+            "--region",
+            f"e=0:63,0:{lines - 1}",
+            "-o",
+            folder / "no",
+            status=2,
+            says=["pixels apart along"],
+        )
     program.refused("analyze", "edge", flat, "-o", folder / "no", status=2, says=["found 0"])
 
 

@@ -71,6 +71,23 @@ def curves(folder):
             close(table["false_alarm_rate"][1:], false[1:], what="false alarms")
             close(table["detection_rate"][1:], true[1:], what="detections")
             close(table["threshold"][1:], threshold[1:], what="thresholds")
+    # A target without a score is not found; a pixel whose truth is not known takes no part; shares are parts of 1.
+    holes, unknown = score.copy(), share.copy()
+    holes[5, 5] = np.nan
+    unknown[50, 50:60] = np.nan
+    some = write_cube(folder / "holes.img", holes[..., None], dtype="f8")
+    known = write_cube(folder / "unknown.img", unknown[..., None], dtype="f8")
+    one = analyze(folder, "roc", some, "--truth", known)["curves"][0]
+    program.check(one["not_scored"] == 1 and one["positives"] == (share > 0).sum(), one["not_scored"])
+    program.check(one["negatives"] == (~neighbourhood(share > 0, 1)).sum() - 10, one["negatives"])
+    program.check(one["points"][-1][1] == 1 and one["points"][-2][1] < 1, "found with everything else, at last")
+    percent = write_cube(folder / "percent.img", 100 * share[..., None], dtype="f8")
+    program.refused("analyze", "roc", some, "--truth", percent, "-o", folder / "no", status=2, says=["at most 1"])
+    scaled = write_cube(
+        folder / "scaled.img", np.round(1e4 * share)[..., None], dtype="u2", reflectance_scale_factor=10000
+    )
+    two = analyze(folder, "roc", cube.with_suffix(".hdr"), "--layer", "high", "--truth", scaled, "--least-share", 0.3)
+    program.check(two["curves"][0]["positives"] == (share >= 0.3).sum(), two["curves"][0]["positives"])
     lower = analyze(folder, "roc", cube, "--layer", "low", "--lower", "--truth", truth)["curves"][0]
     higher = analyze(folder, "roc", cube, *target)["curves"][0]
     program.check(lower["area"] == higher["area"], "the same the other way round")

@@ -48,6 +48,7 @@ def eigen(folder, path, cube):
     value, vector = value[::-1], vector[:, ::-1]
     numbers = analyze(folder, "eigen", path, "--count", 3)["structures"][0]
     close(numbers["eigenvalues"], value, what="eigenvalues")
+    program.check(np.abs(np.array(numbers["eigenvalues"]) / value - 1).max() < 1e-8, "small ones too")
     for k in range(3):
         found, other = np.array(numbers["eigenvectors"][k]), vector[:, k]
         program.check(abs(found).max() == found.max(), "sign")
@@ -62,6 +63,9 @@ def angles(folder, path, cube):
     second = write_cube(folder / "other.img", other.astype("f4"))
     numbers = analyze(folder, "eigen", path, "--other", second, "--count", 3)
     both = [np.array(s["eigenvectors"]).T for s in numbers["structures"]]
+    for pair, of in zip(both, (cube, other.astype("f4"))):
+        known = np.linalg.eigh(np.cov(of.reshape(-1, of.shape[2]).astype("f8"), rowvar=False))[1][:, ::-1][:, :3]
+        close(np.abs((pair * known).sum(0)), np.ones(3), 1e-9, "each cube's own")
     close(numbers["alignment"], np.abs((both[0] * both[1]).sum(0)), what="alignment")
     for k in (1, 2, 3):
         expected = np.degrees(scipy.linalg.subspace_angles(both[0][:, :k], both[1][:, :k]))[::-1]
@@ -76,6 +80,8 @@ def detectors(folder, path, cube):
     names = ["mf", "ace", "ace_signed", "cem", "sam", "rx"]
     numbers = analyze(folder, "detect", path, "--target", "t=6:8,3:4", *(x for n in names for x in ("--detector", n)))
     found = dict(zip(names, layers(folder, "detect")))
+    least = numbers["layers"][names.index("sam")]
+    program.check(least["lowest"] == found["sam"].min(), "of angles the lowest is told", least)
     program.check([layer["layer"] for layer in numbers["layers"]] == [f"{n} t" for n in names[:-1]] + ["rx"], numbers)
     cube = cube.astype("f8")  # which `spectral` would keep as floats
     background = spectral.calc_stats(cube)
@@ -100,7 +106,7 @@ def detectors(folder, path, cube):
         folder, "detect", one, "--target", "t=0:0,0:0", "--detector", "mf", "--detector", "cem", "--detector", "sam"
     )
     program.check(np.allclose(layers(folder, "detect")[:, 0, 0], [1, 1, 0], atol=1e-7), "a pixel of target itself")
-    program.check(layers(folder, "detect")[2, 1, 1] == 0, "sam of nothing")
+    program.check(np.isnan(layers(folder, "detect")[2, 1, 1]), "no angle of nothing")
 
 
 def background(folder, path, cube):
@@ -173,6 +179,18 @@ def unmixing(folder, path, cube):
     close(layers(folder, "unmix")[1:4].reshape(3, -1), summed, what="sum")
 
 
+def close_endmembers(folder):
+    """Exact shares of endmembers that are a millionth apart."""
+    base, way = RNG.uniform(20, 60, 12), RNG.normal(0, 1, 12)
+    other = base * (1 + 1e-6 * way)
+    shares = np.array([1, 0.9, 0.5, 0.1, 0.01, 0.0])
+    pixels = np.concatenate([[base, other], shares[:, None] * base + (1 - shares[:, None]) * other])
+    path = write_cube(folder / "near.img", pixels[None], dtype="f8")
+    analyze(folder, "unmix", path, "--endmember", "a=0:0,0:0", "--endmember", "b=1:1,0:0")
+    off = np.abs(layers(folder, "unmix")[0, 0, 2:] - shares).max()
+    program.check(off < 1e-7, off)  # rounding of the pixels themselves over what they are apart
+
+
 def clusters(folder):
     # Brighter and darker pixels, so that no centre along the mean stays empty (`scikit-learn` would move it).
     bright = RNG.choice([0.4, 0.8, 1.2, 1.6], (30, 20, 1)) * RNG.uniform(20, 60, 12)
@@ -189,8 +207,9 @@ def clusters(folder):
     close(numbers["rms_apart"], np.sqrt(other.inertia_ / len(pixels)), what="inertia")
     labels, centers = spectral.kmeans(cube.astype("f8"), 4, 1000, start_clusters=start)
     close([c["center"] for c in numbers["classes"]], centers, 1e-6, "centres, spectral")  # which sums in float
-    low = analyze(folder, "kmeans", path, "--count", 4, "--memory", "16M", "--threads", 1)
-    program.check(low["classes"] == numbers["classes"], "read anew each round: the same bits")
+    lying = write_cube(folder / "lying.img", cube, "bip")  # which is not read anew each round
+    low = analyze(folder, "kmeans", lying, "--count", 4, "--threads", 1)
+    program.check(low["classes"] == numbers["classes"], "where it lies: the same bits")
     drawn = [analyze(folder, "kmeans", path, "--start", "plusplus", "--seed", 3, "--threads", t) for t in (1, 2)]
     program.check(drawn[0]["classes"] == drawn[1]["classes"], "the same bits whatever the threads")
 
@@ -271,12 +290,26 @@ def ignored(folder):
     program.check(analyze(folder, "statistics", path, "--bands", "2:3,5")["bands"] == [2, 3, 5], "--bands")
     program.check(analyze(folder, "statistics", path, "--wavelengths", "440:560")["bands"] == [2, 4], "--wavelengths")
     cube[4, 5, 2] = np.nan
+    for text, value in (
+        ("-1e+34", np.float32(-1e34)),
+        ("-3.40282e+38", -np.finfo("f4").max),
+        ("-1.23e34", np.float32(-1.23e34)),
+    ):
+        kept = cube[..., :2].copy()
+        kept[1, 1, 0] = value
+        one = write_cube(folder / "ignored.img", np.where(np.isnan(kept), 1, kept), data_ignore_value=text)
+        program.check(analyze(folder, "statistics", one)["regions"][0]["left_out"] == 1, text)
     broken = write_cube(folder / "nan.img", cube)
     analyze(folder, "detect", broken, "--detector", "rx")
     found = layers(folder, "detect")[0]
     program.check(np.isnan(found[4, 5]) and np.isnan(found).sum() == 1, "one pixel takes no part")
     whole = analyze(folder, "unmix", broken, "--endmember", "a=0:0,0:0", "--endmember", "b=3:3,3:3")["regions"][0]
     program.check(whole["pixels"] == 15 * 13 - 1 and np.isfinite(whole["mean"]).all(), whole)
+
+
+def write_table(folder):
+    (folder / "table.csv").write_text("name,number\na,1\n")
+    return folder / "table.csv"
 
 
 def refusals(folder, path, cube):
@@ -295,6 +328,21 @@ def refusals(folder, path, cube):
         (["unmix", path, "--endmember", "a=0:0,0:0", "--endmember", "b=0:0,0:0"], "is a mixture of the others"),
         (["unmix", path, "--endmember", "a=0:0,0:0", "--endmember", "b=x.csv"], "no wavelengths"),
         (["classify", path, "--region", "a=0:9,0:9"], "two regions or more"),
+        (
+            ["classify", path, "--region", "a=0:9,0:9", "--region", "b=0:9,10:19", "--prior", "a=inf"],
+            "give CLASS=SHARE",
+        ),
+        (
+            ["unmix", path, "--endmember", "a=0:0,0:0", "--endmember", "b=1:1,1:1", "--region", "image=0:1,0:1"],
+            "the whole",
+        ),
+        (["statistics", path, "--region", f"a={write_table(folder)}"], "has no outlines"),
+        (
+            ["eigen", path, "--other", write_cube(folder / "bad.img", cube, bbl="{0" + ", 1" * 11 + "}")],
+            "must be the same",
+        ),
+        (["kmeans", write_cube(folder / "flat.img", np.full((9, 9, 3), 2.0))], "all pixels are alike"),
+        (["eigen", write_cube(folder / "flat.img", np.full((9, 9, 3), 2.0))], "all pixels are alike"),
         (["kmeans", write_cube(folder / "two.img", cube[:1, :2]), "--count", "5"], "2 pixels cannot be 5 classes"),
         (["roc", path, "--truth", path.parent / "other.img@99"], 'has no layer "99"'),
     ]
@@ -337,6 +385,7 @@ with tempfile.TemporaryDirectory() as name:
         unmixing(inner, cube_path, data)
     angles(inner, cube_path, data)
     background(inner, cube_path, data)
+    close_endmembers(inner)
     clusters(inner)
     maximum_likelihood(inner, cube_path, data, labels)
     empirical_line(top)

@@ -182,6 +182,30 @@ def tables(folder, cube):
             near(pixels[:, b].std(ddof=1), LEVELS.mean() / 100, 0.005, "snr", b)
 
 
+def nothing_known(folder):
+    """Pixels without light: not finite, or the header's ignore value. Gains and scale factors. Two cameras."""
+    light = np.full((40, 50, 1), 5000.0)
+    light[3, 4], light[20:] = np.nan, -9999
+    cube = write_cube(folder / "some.img", light, reflectance_scale_factor=100, data_ignore_value=-9999)
+    one = "{ first_nm = 500.0, step_nm = 1.0, count = 1, fwhm_nm = 12.0 }"
+    values, header, _ = measured(folder, cube, simulation(folder, "snr = 50.0", "framing", 40, 50, one))
+    program.check("data ignore value" not in header and "reflectance scale factor" not in header, header)
+    known = np.ones((40, 50), bool)
+    known[3, 4], known[20:] = False, False
+    program.check(np.array_equal(np.isfinite(values[..., 0]), known), "unknown stays unknown")
+    near(values[..., 0][known].std(), 1.0, 0.1, "noise of 50 / 50, by what is known")
+    near(values[..., 0][known].mean(), 50.0, 0.01, "scaled")
+    digital = simulation(folder, OPTICS + "full_well_e = 1e6\nbits = 12\n", "framing", 40, 50, one)
+    program.refused("noise", cube, digital, "-o", folder / "no", status=2, says=["which digital numbers cannot hold"])
+    (folder / "short.csv").write_text("wavelength_nm,nedl\n1000,0.05\n1500,0.2\n")
+    short = simulation(folder, 'noise = "short.csv"', "framing", 40, 50, one)
+    program.refused("noise", cube, short, "-o", folder / "no", status=2, says=["reaches from 1000 to 1500 nm"])
+    text = simulation(folder, "snr = 50.0", "framing", 40, 50, one).read_text()
+    (folder / "other.toml").write_text(text.replace('"camera"', '"second"'))
+    other, _, _ = measured(folder, cube, folder / "other.toml")
+    program.check(not np.array_equal(other[known], values[known]), "each camera has noise of its own")
+
+
 def fixed_pattern(folder):
     """What stays: columns of a pushbroom, pixels of a framing camera."""
     light = write_cube(
@@ -291,6 +315,7 @@ with tempfile.TemporaryDirectory() as name:
     light_cube = levels_cube(top)
     invariance(top, light_cube, photons(top, light_cube))
     tables(top, light_cube)
+    nothing_known(top)
     fixed_pattern(top)
     temperatures(top)
     rendered(top)
