@@ -21,12 +21,14 @@ analyze, close = analysis.run, analysis.close
 RNG = np.random.default_rng(20261128)
 
 
-def scene(lines, samples, bands, classes=4):
+def scene(lines, samples, bands, classes=4, far=60):
     """Pixels of a few mixed materials with correlated spread: a covariance that can be inverted, and truth."""
-    mean = RNG.uniform(5, 60, (classes, bands))
+    mean = RNG.uniform(far - 2 if far < 60 else 5, far, (classes, bands))
     label = RNG.integers(0, classes, (lines, samples))
     mix = RNG.normal(0, 1, (bands, bands)) / np.sqrt(bands)
-    cube = mean[label] + RNG.normal(0, 1, (lines, samples, bands)) @ mix + RNG.normal(0, 0.3, (lines, samples, bands))
+    wide = np.array([0.4, 0.8, 1.3, 2.0])[label % 4, None]  # each class its own spread
+    cube = mean[label] + wide * (RNG.normal(0, 1, (lines, samples, bands)) @ mix)
+    cube += wide * RNG.normal(0, 0.3, (lines, samples, bands))
     return cube.astype("f4"), label, mean
 
 
@@ -55,6 +57,20 @@ def eigen(folder, path, cube):
         close(found, other * np.sign(other[np.argmax(abs(other))]), 1e-7, "eigenvector")
     principal = spectral.principal_components(cube.astype("f8"))
     close(numbers["eigenvalues"], principal.eigenvalues, what="eigenvalues, spectral")
+
+
+def wide(folder):
+    """Lines longer than the pixels that are summed at once, far from zero: no digit is lost, none counted twice."""
+    cube = 1e6 + RNG.normal(0, 1, (3, 700, 7)) @ RNG.normal(0, 1, (7, 7))
+    path = write_cube(folder / "wide.img", cube, "bil", "f8")
+    numbers = analyze(folder, "eigen", path, "--count", 2)["structures"][0]
+    pixels = cube.reshape(-1, 7) - 1e6
+    value = np.linalg.eigvalsh(np.cov(pixels, rowvar=False))[::-1]
+    program.check(np.abs(np.array(numbers["eigenvalues"]) / value - 1).max() < 1e-8, "far from zero")
+    analyze(folder, "detect", path, "--detector", "rx")
+    y = pixels - pixels.mean(0)
+    rx = np.einsum("pb,bc,pc->p", y, np.linalg.inv(np.cov(pixels, rowvar=False)), y)
+    close(layers(folder, "detect")[0].ravel(), rx, 1e-7, "rx far from zero")
 
 
 def angles(folder, path, cube):
@@ -192,9 +208,10 @@ def close_endmembers(folder):
 
 
 def clusters(folder):
-    # Brighter and darker pixels, so that no centre along the mean stays empty (`scikit-learn` would move it).
-    bright = RNG.choice([0.4, 0.8, 1.2, 1.6], (30, 20, 1)) * RNG.uniform(20, 60, 12)
-    cube = (bright + RNG.normal(0, 12, (30, 20, 12))).astype("f4")
+    # Brighter and darker pixels, so that no centre along the mean stays empty (`scikit-learn` would move it), and far
+    # more bands than a pixel is known by in short.
+    bright = RNG.choice([0.8, 0.93, 1.06, 1.2], (30, 20, 1)) * RNG.uniform(20, 60, 40)
+    cube = (bright + RNG.normal(0, 12, (30, 20, 40))).astype("f4")
     path = write_cube(folder / "brighter.img", cube, "bil")
     pixels = cube.reshape(-1, cube.shape[2]).astype(float)
     numbers = analyze(folder, "kmeans", path, "--count", 4)
@@ -214,7 +231,9 @@ def clusters(folder):
     program.check(drawn[0]["classes"] == drawn[1]["classes"], "the same bits whatever the threads")
 
 
-def maximum_likelihood(folder, path, cube, label):
+def maximum_likelihood(folder):
+    cube, label, _ = scene(40, 36, 6, far=22)  # classes that overlap, so that how wide each is decides
+    path = write_cube(folder / "overlap.img", cube)
     truth = write_cube(folder / "classes.img", (label + 1)[..., None], dtype="u1")
     training = np.where(np.arange(label.shape[0])[:, None] % 2 == 0, label + 1, 0)
     taught = write_cube(folder / "taught.img", training[..., None], dtype="u1")
@@ -374,7 +393,7 @@ def real(folder):
 
 with tempfile.TemporaryDirectory() as name:
     top = pathlib.Path(name)
-    data, labels, _ = scene(30, 20, 12)
+    data, _, _ = scene(30, 20, 12)
     for number, kind in enumerate((("bip", "f4"), ("bil", "f8"), ("bsq", "f4"))):
         inner = top / str(number)
         inner.mkdir()
@@ -383,11 +402,12 @@ with tempfile.TemporaryDirectory() as name:
         eigen(inner, cube_path, data)
         detectors(inner, cube_path, data)
         unmixing(inner, cube_path, data)
+    wide(inner)
     angles(inner, cube_path, data)
     background(inner, cube_path, data)
     close_endmembers(inner)
     clusters(inner)
-    maximum_likelihood(inner, cube_path, data, labels)
+    maximum_likelihood(inner)
     empirical_line(top)
     ignored(top)
     refusals(inner, cube_path, data)
