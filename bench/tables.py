@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, trace_once, mitsuba, bounces,
-park_bounced, scaling, leaf_level, flops, planner, waits)
+park_bounced, scaling, leaf_level, flops, planner, waits, analysis)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
 PART -->` and `<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it
@@ -122,7 +122,7 @@ def readme_bounces(data):
 
 
 def waits(keys):
-    """What one waits for, now and before."""
+    """What one waits for, now and, where that was measured in the same run, before."""
     tasks = (
         ("starter", "the cube of `raycube new`'s scene, 64 x 64 pixels of 98 bands"),
         ("study", "a detection study: fifteen cubes of 64 x 64 pixels and 200 bands, with one's plan"),
@@ -130,16 +130,34 @@ def waits(keys):
         ("emit", "276 bands of 100 x 100 pixels of 60 m over 10 000 trees, as EMIT sees them"),
         ("preview", "a first picture of the park"),
     )
-    lines = [
-        "| what one waits for, from the command to its end (air and kernels cached) | now, s | "
-        f"before (commit {keys['waits_before']}), s |",
-        "|---|---|---|",
-    ]
+    what, commit = "what one waits for, from the command to its end (air and kernels cached)", keys.get("waits_before")
+    lines = (
+        [f"| {what} | now, s | before (commit {commit}), s |", "|---|---|---|"]
+        if commit
+        else [f"| {what} | s |", "|---|---|"]
+    )
     for name, text in tasks:
         before = keys.get(f"wait_{name}_before_s")
-        was = f"{before:.2g}" if before is not None else "there was none"
-        lines.append(f"| {text} | {keys[f'wait_{name}_s']:.2g} | {was} |")
+        was = f" {before:.2g} |" if before is not None else " there was none |"
+        lines.append(f"| {text} | {keys[f'wait_{name}_s']:.2g} |{was if commit else ''}")
     return "\n".join(lines) + "\n"
+
+
+def analysis(keys):
+    """`raycube analyze` on a cube of 2 GB against what a user would run instead."""
+    rows = (
+        ("ACE, maps and all", "detect", "numpy reading the file (`np.fromfile`)", "read", "analyze_ace_vs_read"),
+        ("eigenvectors", "eigen", "the same", "read", "analyze_eigen_vs_read"),
+        ("k-means, 5 classes", "kmeans", "scikit-learn's rounds alone", "sklearn", "analyze_kmeans_vs_sklearn"),
+        ("k-means, 5 classes", "kmeans", "`spectral`, from 5 rounds on a fifth", None, "analyze_kmeans_vs_spectral"),
+        ("unmixing, 4 endmembers", "unmix", "scipy's nnls, from 20 000 pixels", None, "analyze_unmix_vs_scipy"),
+    )
+    lines = ["| 2332 x 1000 pixels, 224 bands, float32 | s | against | s | ratio | goal |", "|---|---|---|---|---|---|"]
+    for what, ours, against, theirs, key in rows:
+        other = f"{keys[f'analyze_{theirs}_s']:.2g}" if theirs else ""
+        goal = f"{keys[key + '_goal_is']} {keys[key + '_goal']}"
+        lines.append(f"| {what} | {keys[f'analyze_{ours}_s']:.2g} | {against} | {other} | {keys[key]:.2g} | {goal} |")
+    return "\n".join(lines) + f"\n\nResident for ACE: {keys['analyze_ace_mb']:.0f} MB.\n"
 
 
 def renew(path, part, text):
@@ -205,6 +223,10 @@ def main(parts):
         figures.update(waited)
         texts["waits"] = waits(waited)
         renew(ROOT / "README.md", "waits", waits(waited))
+    if "analysis" in parts:
+        found = json.loads((ROOT / "build/bench/analysis.json").read_text())
+        figures.update(found)
+        texts["analysis"] = analysis(found)
     if "planner" in parts:
         figures.update(json.loads((ROOT / "build/bench/planner.json").read_text())["keys"])
         texts["planner"] = (ROOT / "build/bench/planner.md").read_text()

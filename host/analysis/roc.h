@@ -49,8 +49,8 @@ struct Roc {
 /// are from 1, in the order of their first pixels; 0: none.
 std::vector<std::uint32_t> number_targets(const std::vector<double>& share, std::int64_t samples, std::int64_t lines);
 
-/// score: not a number: no false alarm, and no target found. share: of each pixel's area, 0 to 1; not a number: the pixel
-/// takes no part. Throws Error(input) where a share is above 1, or no target or no negative is left.
+/// score: not a number: no false alarm, and no target found. share: of each pixel's area, 0 to 1; not a number: the
+/// pixel takes no part. Throws Error(input) where a share is above 1, or no target or no negative is left.
 Roc roc(const std::vector<double>& score, const std::vector<double>& share, std::int64_t samples, std::int64_t lines,
         const RocOptions& options);
 

@@ -24,7 +24,8 @@ std::int64_t lines_at_once(const scene::Instrument& instrument) {
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(kNumbersAtOnce / line));
 }
 
-/// Means of the bands over the pixels of the image that are finite, line by line, so that the order of work says nothing.
+/// Means of the bands over the pixels of the image that are finite, line by line, so that the order of work says
+/// nothing.
 std::vector<double> band_means(const scene::Instrument& instrument, const ReadsRadiance& read) {
   const std::size_t bands = instrument.bands.size();
   std::vector<double> sum(bands, 0.0), count(bands, 0.0);

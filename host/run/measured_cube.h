@@ -24,7 +24,8 @@ struct MeasuredCube {
 
 /// Adds measured.img (digital numbers of 16 bits with the calibration to radiance as the header's gains and offsets, or
 /// radiance), detector.csv (each band's electrons, noise and calibration) and, where there are any, bad_elements.csv.
-/// Radiance that is not finite stays so; Error(input) where there are digital numbers. header: of the radiance. The same bits whatever the threads, and of a render or a stored cube alike.
+/// Radiance that is not finite stays so; Error(input) where there are digital numbers. header: of the radiance. The
+/// same bits whatever the threads, and of a render or a stored cube alike.
 MeasuredCube measure_cube(const scene::Instrument& instrument, std::uint64_t seed, const ReadsRadiance& read,
                           const products::EnviHeader& header, base::OutputSet& set, const Services& services);
 
