@@ -16,11 +16,12 @@ std::vector<NoisePoint> read_noise(const Record& record, Problems& problems) {
   const auto csv = read_csv(record.text("noise"), record.place("noise"), problems);
   if (!csv) return {};
   const auto wavelength = csv->column("wavelength_nm"), nedl = csv->column("nedl"), radiance = csv->column("radiance"),
-             snr = csv->column("snr");
-  if (!wavelength || (nedl.has_value() == (radiance && snr))) {
+             snr = csv->column("snr"), a = csv->column("a"), b = csv->column("b"), c = csv->column("c");
+  const int forms = int(nedl.has_value()) + int(radiance && snr) + int(a && b && c);
+  if (!wavelength || forms != 1) {
     problems.add({csv->file, csv->header_line, 0, ""},
-                 "a table of noise has columns wavelength_nm and nedl, or "
-                 "wavelength_nm, radiance and snr",
+                 "a table of noise has columns wavelength_nm and nedl, or wavelength_nm, radiance and snr, or "
+                 "wavelength_nm, a, b and c",
                  csv->columns_text(), "name them so");
     return {};
   }
@@ -33,18 +34,23 @@ std::vector<NoisePoint> read_noise(const Record& record, Problems& problems) {
     };
     NoisePoint point;
     point.wavelength_um = 1e-3 * number(*wavelength, "a wavelength must be above 0");
+    point.function = nedl || a;
     if (nedl) {
-      point.nedl = number(*nedl, "nedl must be above 0");
+      point.c = number(*nedl, "nedl must be above 0");
+    } else if (a) {  // in uW cm-2 sr-1 nm-1, of which one is 10 W m-2 sr-1 um-1
+      const auto any = [&](std::size_t column) { return csv->number(row, column, problems).value_or(0); };
+      point.a = std::sqrt(10.0) * any(*a), point.b = 10 * any(*b), point.c = 10 * any(*c);
+      if (point.b < 0) problems.add(csv->at(row, *b), "b must not be below 0", number_text(point.b / 10), "correct it");
     } else {
       point.radiance = number(*radiance, "a radiance must be above 0");
       point.snr = number(*snr, "a ratio must be above 0");
     }
     out.push_back(point);
   }
-  std::stable_sort(out.begin(), out.end(), [](const NoisePoint& a, const NoisePoint& b) {
-    return a.wavelength_um != b.wavelength_um ? a.wavelength_um < b.wavelength_um : a.radiance < b.radiance;
+  std::stable_sort(out.begin(), out.end(), [](const NoisePoint& x, const NoisePoint& y) {
+    return x.wavelength_um != y.wavelength_um ? x.wavelength_um < y.wavelength_um : x.radiance < y.radiance;
   });
-  for (std::size_t i = 0; !nedl && i < out.size();) {
+  for (std::size_t i = 0; radiance && i < out.size();) {
     std::size_t end = i + 1;
     while (end < out.size() && out[end].wavelength_um == out[i].wavelength_um) ++end;
     if (end - i < 2 || !(out[end - 1].radiance > out[i].radiance))
@@ -86,9 +92,9 @@ DetectorSpec read_detector(const Record& record, Problems& problems) {
     refuse_idle(record,
                 {"integration_time_ms", "at_nm", "transmission", "quantum_efficiency", "dark_e_s", "read_noise_e"},
                 "noise, which has it all", problems);
-    if (!out.noise.empty() && out.noise.front().nedl > 0)
+    if (!out.noise.empty() && out.noise.front().function)
       refuse_idle(record, {"dsnu_e", "full_well_e", "bits", "gain_e_dn", "offset_dn"},
-                  "nedl, which knows no electrons; give radiance and snr instead", problems);
+                  "a noise that knows no electrons; give radiance and snr instead", problems);
   } else {
     out.aperture_diameter_m = 1e-3 * record.number("aperture_diameter_mm");
     if (!record.given("integration_time_ms") || !record.given("quantum_efficiency")) {

@@ -6,11 +6,13 @@
 
 namespace raycube::scene {
 
-/// A row of a table of noise: the signal-to-noise ratio at a radiance, or what noise amounts to whatever the radiance.
+/// A row of a table of noise: the signal-to-noise ratio at a radiance, or noise as a function of it.
 struct NoisePoint {
   double wavelength_um = 0;
   double radiance = 0, snr = 0;  ///< W m-2 sr-1 um-1
-  double nedl = 0;               ///< W m-2 sr-1 um-1; 0: by radiance and snr
+  /// Else noise is |a sqrt(b + L) + c|, L and noise in W m-2 sr-1 um-1; a = 0: the same whatever the light.
+  bool function = false;
+  double a = 0, b = 0, c = 0;
 };
 
 struct DetectorSpec {

@@ -115,9 +115,9 @@ int classify(const ClassifyRequest& request, Invocation& invocation) {
   std::vector<std::string> names;
   for (const analysis::Region& region : regions) names.push_back(region.name());
   analysis::ConfusionCount counted(names, truth);
+  AnalysisFolder folder(invocation, request, "classify");
   const auto moments = analysis::region_moments(cube, regions, ShownPass(services, "classes", cube));
   const analysis::GaussianClasses classes(names, moments, priors_of(request, names), request.shrink);
-  AnalysisFolder folder(invocation, request, "classify");
   analysis::MapFiles map = analysis::MapFiles::of_classes(folder.set(), "classify", cube, names,
                                                           "Classes of " + cube.path() + " by maximum likelihood");
   std::vector<std::vector<std::uint64_t>> part(analysis::kMostParts, std::vector<std::uint64_t>(names.size() + 1, 0));

@@ -50,6 +50,7 @@ int register_cubes(const RegisterRequest& request, Invocation& invocation) {
   const analysis::Cube cube(request.cube, request.bands);
   const analysis::Cube other(
       request.other, request.other_bands.empty() ? request.bands : analysis::BandChoice{request.other_bands, ""});
+  AnalysisFolder folder(invocation, request, "register");
   const analysis::Picture first = picture_of(cube, request.factor, ShownPass(services, "first", cube)),
                           second = picture_of(other, request.other_factor, ShownPass(services, "second", other));
   const auto side = static_cast<std::size_t>(request.block);
@@ -59,7 +60,6 @@ int register_cubes(const RegisterRequest& request, Invocation& invocation) {
                       fmt::format("{} and {}: no shift within {} pixels makes them alike; a larger --reach, other "
                                   "--bands, or --factor for pixels of other sizes",
                                   cube.path(), other.path(), request.reach));
-  AnalysisFolder folder(invocation, request, "register");
   products::CsvWriter table(folder.table("register.csv"), {"sample", "line", "shift_samples", "shift_lines",
                                                            "error_samples", "error_lines", "correlation"});
   double worst = 0;
@@ -98,6 +98,7 @@ int scorecard(const ScorecardRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
   const analysis::Cube cube(request.cube, request.bands), other(request.other, request.bands);
   analysis::require_same_bands(cube, other);
+  AnalysisFolder folder(invocation, request, "scorecard");
   const auto moments = [&](const analysis::Cube& of) {
     const analysis::Moments found = analysis::moments_of(of, ShownPass(services, "covariance", of));
     if (found.count() < 2)
@@ -108,7 +109,6 @@ int scorecard(const ScorecardRequest& request, Invocation& invocation) {
   const analysis::SortedBands sorted(cube, ShownPass(services, "distributions", cube)),
       other_sorted(other, ShownPass(services, "distributions", other));
   const auto scores = analysis::likeness(first, sorted, second, other_sorted, static_cast<std::size_t>(request.count));
-  AnalysisFolder folder(invocation, request, "scorecard");
   products::CsvWriter table(folder.table("scorecard.csv"), {"metric", "unit", "value", "where_alike"});
   std::string text;
   for (const analysis::Score& score : scores) {

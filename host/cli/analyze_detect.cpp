@@ -40,13 +40,13 @@ struct Peak {
 int detect(const DetectRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
   const analysis::Cube cube(request.cube, request.bands);
+  AnalysisFolder folder(invocation, request, "detect");
   const std::vector<std::string> names =
       request.detectors.empty() ? std::vector<std::string>{"ace"} : request.detectors;
   const auto targets = analysis::read_spectra(request.targets, cube, ShownPass(services, "targets", cube));
   const analysis::Moments background =
       analysis::moments_of(cube, ShownPass(services, "background", cube), background_of(request, cube));
   const analysis::Detection detection(names, targets, background, request.shrink);
-  AnalysisFolder folder(invocation, request, "detect");
   analysis::MapFiles maps(folder.set(), "detect", cube, detection.layers(), "Scores of detectors of " + cube.path());
   const auto of_angle = [&](std::size_t layer) { return detection.layers()[layer].starts_with("sam "); };
   std::vector<std::vector<Peak>> peak(analysis::kMostParts, std::vector<Peak>(detection.layers().size()));

@@ -38,8 +38,8 @@ int edge(const EdgeRequest& request, Invocation& invocation) {
     throw base::Error(base::Fault::input, fmt::format("an edge is looked for in one region (found {}); give --region "
                                                       "edge=X0:X1,Y0:Y1",
                                                       regions.size()));
-  const std::vector<analysis::EdgeSpread> bands = analysis::slanted_edge(cube, regions.front());
   AnalysisFolder folder(invocation, request, "edge");
+  const std::vector<analysis::EdgeSpread> bands = analysis::slanted_edge(cube, regions.front());
   std::vector<std::string> names;
   std::vector<const std::vector<double>*> mtf;
   products::CsvWriter summary(folder.table("edge.csv"), {"band", "wavelength_nm", "angle_deg", "low", "high", "fwhm_px",

@@ -56,8 +56,8 @@ int eigen(const EigenRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
   const analysis::Cube cube(request.cube, request.bands);
   const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(request.count), cube.bands());
-  const Found found = structure_of(cube, request, services);
   AnalysisFolder folder(invocation, request, "eigen");
+  const Found found = structure_of(cube, request, services);
   folder.numbers()["structures"].push_back(json_of(cube, found, count));
   std::vector<std::string> columns;
   std::vector<std::vector<double>> vectors;

@@ -57,6 +57,8 @@ AnalysisFolder::AnalysisFolder(const Invocation& invocation, const AnalyzeReques
       earlier.push_back(table);
     set_.replaces(earlier);
   }
+  if (!request.no_picture) picture_ = &set_.add(verb + ".png");
+  figures_ = &set_.add(verb + ".json");
   numbers_["analysis"] = verb, numbers_["command"] = invocation.command_line;
   numbers_["version"] = base::kVersion;
 }
@@ -67,10 +69,8 @@ int AnalysisFolder::finish(const analysis::Cube& cube, const std::string& text) 
   numbers_["cube"] = request_.cube, numbers_["bands"] = bands;
   if (!cube.wavelength_um().empty()) numbers_["wavelength_um"] = cube.wavelength_um();
   if (!cube.header().data_units.empty()) numbers_["data_units"] = cube.header().data_units;
-  base::OutputFile* const picture = request_.no_picture ? nullptr : &set_.add(verb_ + ".png");
-  base::OutputFile& figures = set_.add(verb_ + ".json");
-  figures.append(numbers_.dump(1) + "\n");
-  if (picture) run::draw_into("analyze.py", figures, *picture);
+  figures_->append(numbers_.dump(1) + "\n");
+  if (picture_) run::draw_into("analyze.py", *figures_, *picture_);
   set_.publish();
   if (invocation_.common.json)
     invocation_.out << numbers_.dump(2) << "\n";

@@ -44,7 +44,8 @@ class ShownPass {
 /// Regions that are asked for, then those of the classes; Error(input) where two have one name.
 std::vector<analysis::Region> regions_of(const AnalyzeRequest& request, const analysis::Cube& cube);
 
-/// The folder of results: VERB.json with all numbers, VERB.png, tables and maps, all at once.
+/// The folder of results: VERB.json with all numbers, VERB.png, tables and maps, all at once. To be made before the
+/// work: it refuses at once what is there already.
 class AnalysisFolder {
  public:
   AnalysisFolder(const Invocation& invocation, const AnalyzeRequest& request, const std::string& verb);
@@ -61,6 +62,8 @@ class AnalysisFolder {
   const AnalyzeRequest& request_;
   std::string verb_;
   base::OutputSet set_;
+  base::OutputFile* picture_ = nullptr;
+  base::OutputFile* figures_ = nullptr;
   nlohmann::ordered_json numbers_;
 };
 

@@ -94,12 +94,12 @@ int reflectance(const ReflectanceRequest& request, Invocation& invocation) {
       throw base::Error(base::Fault::input, fmt::format("panel \"{}\": is a region of the cube; its curve goes to "
                                                         "--reflectance",
                                                         text));
+  AnalysisFolder folder(invocation, request, "reflectance");
   const auto means = analysis::read_spectra(request.panels, cube, ShownPass(services, "panels", cube));
   const std::vector<Eigen::VectorXd> known = reflectances_of(request, cube, means);
   std::vector<analysis::Panel> panels;
   for (std::size_t k = 0; k < means.size(); ++k) panels.push_back({means[k].name, means[k].value, known[k]});
   const analysis::EmpiricalLine line = analysis::empirical_line(panels);
-  AnalysisFolder folder(invocation, request, "reflectance");
   write_cube(cube, line, folder, services);
   if (!line.dark.empty())
     services.log.warning(

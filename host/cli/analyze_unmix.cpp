@@ -54,9 +54,9 @@ int unmix(const UnmixRequest& request, Invocation& invocation) {
     if (region.name() == "image")
       throw base::Error(base::Fault::input, "a region cannot be called \"image\", which is the whole");
   regions.push_back(analysis::region_where("image", cube.samples(), cube.lines(), [](auto, auto) { return true; }));
+  AnalysisFolder folder(invocation, request, "unmix");
   const auto endmembers = analysis::read_spectra(request.endmembers, cube, ShownPass(services, "endmembers", cube));
   const analysis::Unmixing unmixing(endmembers, analysis::parse_constraint(request.constraint));
-  AnalysisFolder folder(invocation, request, "unmix");
   std::vector<std::string> layers;
   for (const auto& one : endmembers) layers.push_back(one.name);
   layers.push_back("rms left");

@@ -39,38 +39,57 @@ std::vector<VarianceLine> variance_lines(const std::vector<scene::NoisePoint>& p
     std::size_t end = i + 1;
     while (end < points.size() && points[end].wavelength_um == points[i].wavelength_um) ++end;
     VarianceLine line{points[i].wavelength_um};
-    if (points[i].nedl > 0) {
-      line.constant = points[i].nedl * points[i].nedl;
-    } else {
-      double w = 0, x = 0, y = 0, xx = 0, xy = 0;
-      for (std::size_t k = i; k < end; ++k) {
-        const double radiance = points[k].radiance, variance = std::pow(radiance / points[k].snr, 2),
-                     weight = 1 / (variance * variance);
-        w += weight, x += weight * radiance, y += weight * variance;
-        xx += weight * radiance * radiance, xy += weight * radiance * variance;
-      }
-      line.slope = (w * xy - x * y) / (w * xx - x * x), line.constant = (y - line.slope * x) / w;
-      if (!(line.slope > 0) || line.constant < -1e-9 * y / w)
-        throw base::Error(
-            base::Fault::input,
-            fmt::format("detector.noise: at {:g} nm the variance would be {:.3g} + {:.3g} L: no reading "
-                        "and shot noise add up to that; the ratios must rise with radiance, and no faster "
-                        "than it",
-                        1e3 * line.wavelength_um, line.constant, line.slope));
-      line.constant = std::max(0.0, line.constant);
+    double w = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (std::size_t k = i; k < end; ++k) {
+      const double radiance = points[k].radiance, variance = std::pow(radiance / points[k].snr, 2),
+                   weight = 1 / (variance * variance);
+      w += weight, x += weight * radiance, y += weight * variance;
+      xx += weight * radiance * radiance, xy += weight * radiance * variance;
     }
+    line.slope = (w * xy - x * y) / (w * xx - x * x), line.constant = (y - line.slope * x) / w;
+    if (!(line.slope > 0) || line.constant < -1e-9 * y / w)
+      throw base::Error(base::Fault::input,
+                        fmt::format("detector.noise: at {:g} nm the variance would be {:.3g} + {:.3g} L: no reading "
+                                    "and shot noise add up to that; the ratios must rise with radiance, and no faster "
+                                    "than it",
+                                    1e3 * line.wavelength_um, line.constant, line.slope));
+    line.constant = std::max(0.0, line.constant);
     out.push_back(line), i = end;
   }
   return out;
 }
 
-/// Between wavelengths noise at no light is linear, and so is the slope.
-VarianceLine line_at(const std::vector<VarianceLine>& lines, double um) {
+/// Whether a table of noise reaches over a wavelength; Error(input) else.
+void require_reach(const std::vector<scene::NoisePoint>& points, const scene::Instrument& instrument,
+                   std::size_t band) {
+  const double um = instrument.bands[band].center_um, first = points.front().wavelength_um,
+               last = points.back().wavelength_um;
+  if (um < first || um > last)
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("detector.noise: reaches from {:g} to {:g} nm, band {} of '{}' lies at {:g} nm; add rows",
+                    1e3 * first, 1e3 * last, band + 1, instrument.name, 1e3 * um));
+}
+
+/// Shot and reading noise of a table; between wavelengths noise at no light is linear, and so is the slope.
+BandNoise of_lines(const std::vector<VarianceLine>& lines, double um) {
   std::vector<double> x, dark, slope;
   for (const VarianceLine& line : lines)
     x.push_back(line.wavelength_um), dark.push_back(std::sqrt(line.constant)), slope.push_back(line.slope);
-  const double sigma = at(x, dark, um);
-  return {um, sigma * sigma, at(x, slope, um)};
+  BandNoise out;
+  out.electrons_per_radiance = 1 / at(x, slope, um);
+  out.read_e = at(x, dark, um) * out.electrons_per_radiance;
+  return out;
+}
+
+/// Of a table of noise as a function of radiance, whose coefficients are linear between wavelengths.
+BandNoise of_functions(const std::vector<scene::NoisePoint>& points, double um) {
+  std::vector<double> x, a, b, c;
+  for (const scene::NoisePoint& p : points)
+    x.push_back(p.wavelength_um), a.push_back(p.a), b.push_back(p.b), c.push_back(p.c);
+  BandNoise out;
+  out.a = at(x, a, um), out.b = at(x, b, um), out.c = at(x, c, um);
+  return out;
 }
 
 /// An instrument's own (FNV-1a of its name): two cameras do not share their noise.
@@ -82,6 +101,8 @@ std::uint64_t seed_of(std::uint64_t seed, const std::string& name) {
 
 }  // namespace
 
+double BandNoise::sigma(double radiance) const { return std::abs(a * std::sqrt(std::max(0.0, b + radiance)) + c); }
+
 double width_um(const scene::Band& band) {
   if (band.fwhm_um > 0) return band.fwhm_um * std::sqrt(std::numbers::pi / (4 * std::numbers::ln2));
   double area = 0;
@@ -92,31 +113,21 @@ double width_um(const scene::Band& band) {
 
 Detector::Detector(const scene::Instrument& instrument, std::uint64_t seed, std::vector<double> band_mean)
     : instrument_(instrument), spec_(*instrument.detector), seed_(seed_of(seed, instrument.name)) {
-  const std::vector<VarianceLine> lines = variance_lines(spec_.noise);
+  const bool functions = !spec_.noise.empty() && spec_.noise.front().function;
+  const std::vector<VarianceLine> lines = functions ? std::vector<VarianceLine>{} : variance_lines(spec_.noise);
   const double opening = std::numbers::pi / 4 * spec_.aperture_diameter_m * spec_.aperture_diameter_m,
                solid_angle = instrument.ifov_across_rad * instrument.ifov_along_rad;
   for (std::size_t b = 0; b < instrument.bands.size(); ++b) {
     const double um = instrument.bands[b].center_um;
     BandNoise& band = band_.emplace_back();
     if (spec_.snr > 0) {
-      band.sigma_radiance = std::abs(band_mean.at(b)) / spec_.snr;
+      band.c = std::abs(band_mean.at(b)) / spec_.snr;
       continue;
     }
-    if (!lines.empty()) {
-      if (um < lines.front().wavelength_um || um > lines.back().wavelength_um)
-        throw base::Error(
-            base::Fault::input,
-            fmt::format("detector.noise: reaches from {:g} to {:g} nm, band {} of '{}' lies at {:g} nm; add "
-                        "rows",
-                        1e3 * lines.front().wavelength_um, 1e3 * lines.back().wavelength_um, b + 1, instrument.name,
-                        1e3 * um));
-      const VarianceLine line = line_at(lines, um);
-      if (!(line.slope > 0)) {
-        band.sigma_radiance = std::sqrt(line.constant);
-        continue;
-      }
-      band.electrons_per_radiance = 1 / line.slope;
-      band.read_e = std::sqrt(line.constant) / line.slope;
+    if (!spec_.noise.empty()) {
+      require_reach(spec_.noise, instrument, b);
+      band = functions ? of_functions(spec_.noise, um) : of_lines(lines, um);
+      if (functions) continue;
     } else {
       const double photons = opening * solid_angle * spec_.integration_time_s * width_um(instrument.bands[b]) *
                              (1e-6 * um) / (kPlanck_J_s * kLight_m_s);
@@ -187,7 +198,7 @@ std::uint64_t Detector::measure(std::int64_t line, std::int64_t first_sample, st
       }
       lidar::Stream reading(seed, pixel, static_cast<std::uint32_t>(b), lidar::DrawFor::readout);
       if (!(band.electrons_per_radiance > 0)) {
-        out[i] = static_cast<float>(light * here.gain + band.sigma_radiance * reading.normal());
+        out[i] = static_cast<float>(light * here.gain + band.sigma(light) * reading.normal());
         continue;
       }
       const double signal = std::max(0.0, band.electrons_per_radiance * light * here.gain);
@@ -212,7 +223,7 @@ std::uint64_t Detector::measure(std::int64_t line, std::int64_t first_sample, st
 
 Expected Detector::expected(int band, double radiance) const {
   const BandNoise& of = band_[static_cast<std::size_t>(band)];
-  if (!(of.electrons_per_radiance > 0)) return {radiance, of.sigma_radiance};
+  if (!(of.electrons_per_radiance > 0)) return {radiance, of.sigma(radiance)};
   const double step = digital() ? spec_.gain_e_dn : 0;
   const double variance =
       std::max(0.0, of.electrons_per_radiance * radiance) + of.dark_e + of.read_e * of.read_e + step * step / 12;

@@ -6,7 +6,7 @@
 // and the calibration beside: L = ((DN - offset) gain - D) / k. From optics, with an aperture A, a pixel's solid angle
 // W, integration time t, transmission T, quantum efficiency Q and the band's width d (the integral of its response over
 // its peak): k = A W t T Q d l / (h c), l the band's centre. From a table of noise: of variance v(L) = a + b L through
-// its points k = 1 / b and a reading of k sqrt(a) electrons.
+// its points k = 1 / b and a reading of k sqrt(a) electrons. A table of noise as a function of L is Gaussian.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,10 @@ namespace raycube::sensors {
 
 /// What one band's noise is made of.
 struct BandNoise {
-  double electrons_per_radiance = 0;  ///< 0: noise is Gaussian, of sigma_radiance
-  double sigma_radiance = 0;          ///< W m-2 sr-1 um-1
-  double dark_e = 0, read_e = 0;      ///< electrons in the integration time; rms of a reading
+  double electrons_per_radiance = 0;  ///< 0: noise is Gaussian, of sigma(L)
+  double a = 0, b = 0, c = 0;         ///< sigma(L) = |a sqrt(b + L) + c|, W m-2 sr-1 um-1
+  double sigma(double radiance) const;
+  double dark_e = 0, read_e = 0;  ///< electrons in the integration time; rms of a reading
   /// Of DN: radiance = gain DN + offset.
   double gain = 1, offset = 0;
 };

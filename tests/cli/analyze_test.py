@@ -368,8 +368,11 @@ def refusals(folder, path, cube):
     for arguments, says in wrong:
         program.refused("analyze", *arguments, "-o", folder / "no", status=2, says=[says])
         program.check(not (folder / "no").exists() or not list((folder / "no").glob("[!.]*")), arguments)
-    analyze(folder, "statistics", path)
-    program.refused("analyze", "statistics", path, "-o", folder / "statistics", status=2, says=["--overwrite"])
+    for verb, more in (("statistics", []), ("detect", ["--detector", "rx"])):
+        analyze(folder, verb, path, *more)
+        before = {file.name: file.read_bytes() for file in (folder / verb).iterdir()}
+        program.refused("analyze", verb, path, *more, "-o", folder / verb, status=2, says=["--overwrite"])
+        program.check(before == {file.name: file.read_bytes() for file in (folder / verb).iterdir()}, verb)
 
 
 def real(folder):

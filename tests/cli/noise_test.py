@@ -4,6 +4,7 @@ Allowed: 1 % of a variance (issue's bar). A sample variance of 4e5 values is kno
 4.5 standard errors."""
 
 import math
+import os
 import pathlib
 import sys
 import tempfile
@@ -176,6 +177,19 @@ def tables(folder, cube):
     for pixels in levels_of(values):
         for b in range(len(BANDS)):
             near(pixels[:, b].std(ddof=1), np.interp(BANDS[b], [400, 1500], [0.05, 0.2]), 0.005, "nedl", b)
+    # ISOFIT's coefficients, in uW cm-2 sr-1 nm-1: one of them is 10 W m-2 sr-1 um-1.
+    (folder / "abc.csv").write_text("wavelength_nm,a,b,c,rmse\n400,0.01,2.5,-0.002,0\n1500,0.004,3,0.001,0\n")
+    values, _, _ = measured(folder, cube, simulation(folder, 'noise = "abc.csv"', lines=5 * LINES))
+    for level, pixels in zip(LEVELS, levels_of(values)):
+        for b in range(len(BANDS)):
+            a0, b0, c0 = (np.interp(BANDS[b], [400, 1500], of) for of in ([0.01, 0.004], [2.5, 3], [-0.002, 0.001]))
+            near(pixels[:, b].std(ddof=1), 10 * abs(a0 * math.sqrt(b0 + level / 10) + c0), 0.005, "abc", level, b)
+    shared = os.environ.get("RAYCUBE_SHARED")
+    for instrument in ("aviris_classic", "emit") if shared else ():
+        file = pathlib.Path(shared) / f"data/sensors/{instrument}_noise_coefficients.csv"
+        measured(folder, cube, simulation(folder, f'noise = "{file}"', lines=5 * LINES))
+    if not shared:
+        print("noise: RAYCUBE_SHARED is not set: coefficients of real instruments were not read", file=sys.stderr)
     values, _, _ = measured(folder, cube, simulation(folder, "snr = 100.0", lines=5 * LINES))
     for pixels in levels_of(values):
         for b in range(len(BANDS)):
