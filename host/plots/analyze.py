@@ -125,7 +125,8 @@ def reflectance(data, figure):
     left.set(ylabel=unit(data), title="panels in the cube")
     left.legend(fontsize=8)
     spectrum(right, data, data["gain"], label="gain")
-    right.set(ylabel=f"reflectance per {unit(data)}", title="gain of the line")
+    # Bands through which nothing comes from the ground have gains a thousand times those of the others.
+    right.set(ylabel=f"reflectance per {unit(data)}", title="gain of the line", yscale="log")
 
 
 def edge(data, figure):
@@ -169,7 +170,8 @@ def register(data, figure):
         axes.quiverkey(arrows, 0.9, 1.03, 1, "1 pixel", labelpos="E")
         axes.invert_yaxis()
     axes.set(xlabel="sample", ylabel="line", aspect="equal")
-    axes.set_title(f"shift {whole['samples']:.3f} samples, {whole['lines']:.3f} lines", loc="left")
+    axes.set_title(f"{whole['samples']:.3f} samples, {whole['lines']:.3f} lines", loc="left", fontsize=9)
+    axes.margins(0.15)
 
 
 def scorecard(data, figure):

@@ -11,6 +11,7 @@
 
 #include "host/base/data_folder.h"
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 
 extern char** environ;
 
@@ -31,6 +32,7 @@ void run_script(const std::string& script, const std::string& figures, const std
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
     if (errno != EINTR) throw base::Error(base::Fault::environment, path + ": its end could not be waited for");
+  base::throw_if_interrupted();  // the terminal's Ctrl-C has ended the script as well
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw base::Error(base::Fault::environment,
                       path + " failed (its message is above); charts need python3-matplotlib");
