@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -111,44 +112,90 @@ class DocumentReader {
         problems_.add(asked_by, "file is included twice", name, "include it once");
         return;
       }
-    if (const std::string why = base::why_no_plain_file(path.string()); !why.empty()) {
-      problems_.add(asked_by.file.empty() ? Where{name, 0, 0, ""} : asked_by, "cannot read simulation file",
-                    fs::exists(path, ignored) ? name + ", which " + why : name,
-                    "check the path; it is relative to the file that names it");
-      return;
-    }
-    std::ifstream stream(path, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
     const File file{name, path.parent_path()};
-    if (text.str().find_first_not_of(" \t\r\n") == std::string::npos) {
-      problems_.add({name, 1, 1, ""}, "file is empty", std::to_string(text.str().size()) + " bytes",
-                    "a simulation file begins with format = 1");
-      return;
-    }
-    if (const auto deep = too_deep_key(text.str())) {
-      problems_.add({name, deep->line, deep->column, ""}, "key has too many parts",
-                    "more than " + std::to_string(kKeyParts) + " between dots",
-                    "no key of a simulation file has more than four");
-      return;
-    }
-    toml::table table;
-    try {
-      table = toml::parse(text.str(), name);
-    } catch (const toml::parse_error& error) {
-      problems_.add(where_of(file, error.source()), "TOML syntax: " + std::string(error.description()), "",
-                    "see https://toml.io");
-      return;
-    }
+    const auto table = parsed(path, file, asked_by, "simulation file");
+    if (!table) return;
     open_.push_back(canonical);
-    check_format(table, file);
-    read_table(table, file, "", root);
-    includes(table, file, root);
+    check_format(*table, file);
+    read_table(*table, file, "", root);
+    includes(*table, file, root);
     open_.pop_back();
     done_.push_back(canonical);
   }
 
  private:
+  /// The file's TOML; nothing after reporting what is wrong with it.
+  std::optional<toml::table> parsed(const fs::path& path, const File& file, const Where& asked_by,
+                                    const std::string& kind) {
+    const std::string& name = file.name;
+    std::error_code ignored;
+    if (const std::string why = base::why_no_plain_file(path.string()); !why.empty()) {
+      problems_.add(asked_by.file.empty() ? Where{name, 0, 0, ""} : asked_by, "cannot read " + kind,
+                    fs::exists(path, ignored) ? name + ", which " + why : name,
+                    "check the path; it is relative to the file that names it");
+      return std::nullopt;
+    }
+    std::ifstream stream(path, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    if (text.str().find_first_not_of(" \t\r\n") == std::string::npos) {
+      problems_.add({name, 1, 1, ""}, "file is empty", std::to_string(text.str().size()) + " bytes",
+                    "a " + kind + " begins with format = 1");
+      return std::nullopt;
+    }
+    if (const auto deep = too_deep_key(text.str())) {
+      problems_.add({name, deep->line, deep->column, ""}, "key has too many parts",
+                    "more than " + std::to_string(kKeyParts) + " between dots",
+                    "no key of a " + kind + " has more than four");
+      return std::nullopt;
+    }
+    try {
+      return toml::parse(text.str(), name);
+    } catch (const toml::parse_error& error) {
+      problems_.add(where_of(file, error.source()), "TOML syntax: " + std::string(error.description()), "",
+                    "see https://toml.io");
+      return std::nullopt;
+    }
+  }
+
+  /// What a sensor's file says of an instrument where the instrument's own table says nothing.
+  void read_sensor(Record& record) {
+    const Value& asked = record.values["sensor"];
+    const fs::path path(asked.text);
+    const File file{asked.text, path.parent_path()};
+    const auto table = parsed(path, file, asked.where, "sensor's file");
+    if (!table) return;
+    check_format(*table, file);
+    toml::table rest;
+    for (const auto& [key, node] : *table) {
+      const std::string_view name = key.str();
+      if (name == "sensor")
+        problems_.add(where_of(file, key.source()), "a sensor's file names no other", "", "remove it");
+      else if (name != "format" && !gives(record, name) && !stands_in(record, name))
+        node.visit([&](const auto& value) { rest.insert(key, value); });
+    }
+    read_table(rest, file, record.path, record);
+  }
+
+  /// Before defaults are filled in.
+  static bool gives(const Record& record, std::string_view key) {
+    const auto found = record.values.find(key);
+    return found != record.values.end() && found->second.given;
+  }
+
+  /// Whether the instrument says in another way what this key of a sensor's file says.
+  static bool stands_in(const Record& record, std::string_view name) {
+    static const std::vector<std::vector<std::string_view>> alike = {{"gsd_m", "ifov_mrad", "focal_length_mm"},
+                                                                     {"altitude_agl_m", "position_m", "poses"},
+                                                                     {"psf", "focal_plane"},
+                                                                     {"quicklook_nm", "quicklook_bands"}};
+    for (const auto& ways : alike)
+      if (std::find(ways.begin(), ways.end(), name) != ways.end())
+        for (const auto way : ways)
+          if (gives(record, way)) return true;
+    return false;
+  }
+
   void check_format(const toml::table& table, const File& file) {
     const toml::node* format = table.get("format");
     if (format == nullptr) {
@@ -221,6 +268,7 @@ class DocumentReader {
       record.where = where_of(file, table.source());
       const std::size_t before = problems_.lines().size();
       read_table(table, file, path, record);
+      if (gives(record, "sensor")) read_sensor(record);
       record.sound = problems_.lines().size() == before;
       value.records.push_back(std::move(record));
     };

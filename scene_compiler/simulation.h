@@ -13,6 +13,7 @@
 #include "scene_compiler/band_truth.h"
 #include "scene_compiler/compiled_scene.h"
 #include "scene_compiler/detector_spec.h"
+#include "scene_compiler/focal_plane_spec.h"
 #include "scene_compiler/lamp.h"
 #include "scene_compiler/lidar_spec.h"
 
@@ -71,6 +72,16 @@ struct Instrument {
   bool auto_bounces = true;   ///< the planner may let light go between surfaces; false: only a number in the file does
   double psf_sigma_px = 0;    ///< Gaussian PSF sigma in pixels; 0: box, no blur
   double psf_support_px = 1;  ///< width of the square the samples cover, pixels; 1 for the box
+  std::vector<FocalPlane> focal_planes;  ///< empty: every band is the mean of the pixel's own samples
+  /// Number of the focal plane that sees a band of this centre; as many as there are: none.
+  std::size_t plane_of(double center_um) const {
+    const auto sees = [=](const FocalPlane& p) { return center_um >= p.first_um && center_um <= p.last_um; };
+    return static_cast<std::size_t>(std::find_if(focal_planes.begin(), focal_planes.end(), sees) -
+                                    focal_planes.begin());
+  }
+  int oversampling = 0;       ///< cells along a pixel of those; 0: as their point spreads ask for
+  double lines_of_pixel = 1;  ///< along the flight; a scanner whose lines lie closer than its pixels: > 1
+  int cells_along = 1;        ///< of the pixel that this instrument's pixels are cells of (host/sensors/cells.h)
   std::optional<DetectorSpec> detector;
   std::vector<Band> bands;
   std::vector<int> quicklook_bands;  ///< 0-based, red green blue (three) or grey (one)

@@ -52,6 +52,11 @@ const scene::Instrument& only_instrument(const scene::Simulation& simulation, co
                       "--instrument: " + (lidar ? "'" + name + "' is a LIDAR" : "the file has no camera") +
                           "; explain tells of cameras' pixels, name a camera");
   const auto found = run::pick_instruments(simulation, name);
+  if (found.size() == 1 && !found.front()->focal_planes.empty())
+    throw base::Error(base::Fault::input,
+                      "--instrument: pixels of '" + found.front()->name +
+                          "' share their samples by its focal planes, and have no light of their own "
+                          "to explain; take focal_plane out, and the mean over a pixel is told");
   if (found.size() == 1) return *found.front();
   std::string names;
   for (const auto* one : found) names += (names.empty() ? "" : ", ") + one->name;

@@ -74,15 +74,16 @@ void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Sim
   const TrialImage image = few_pixels(renderer, simulation, instrument, plan, simulation.seed);
   const TrialImage one = few_pixels(renderer, simulation, random, plan, simulation.seed + kOtherSeed);
   const TrialImage two = few_pixels(renderer, simulation, random, plan, simulation.seed + 2 * kOtherSeed);
-  const TrialError drawn = error_against(image, one, two, judged_means(image));
+  const TrialError drawn = of_pixels(error_against(image, one, two, judged_means(image)), given);
   out.drawn = drawn.bound;
   sum_up(out, drawn.estimate);
   out.from = fmt::format("{} pixels rendered three times; `raycube plan` measures it", image.pixels());
 }
 
 /// Of the image's own replicates, on all its pixels.
-void from_replicates(OwnError& out, const render::ReplicateSpread& spread, int replicates) {
-  const TrialError drawn = error_of(spread);
+void from_replicates(OwnError& out, const render::ReplicateSpread& spread, const scene::Instrument& instrument) {
+  const int replicates = instrument.replicates;
+  const TrialError drawn = of_pixels(error_of(spread), instrument);
   out.drawn = drawn.bound;
   sum_up(out, drawn.estimate);
   out.from = fmt::format("the spread of the image's {} replicates", replicates);
@@ -103,7 +104,7 @@ OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulati
   } else {
     out.plan_pixels = decision.model_pixels;
     if (instrument.replicates > 1)
-      from_replicates(out, spread, instrument.replicates);
+      from_replicates(out, spread, instrument);
     else
       from_few_pixels(out, renderer, simulation, instrument, plan);
     if (!out.kept() && out.drawn <= out.tolerance && out.plan_pixels == 0)

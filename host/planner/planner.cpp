@@ -194,7 +194,8 @@ class LevelSearch {
   const ErrorLaw& of_directions() const { return of_directions_; }
 
  private:
-  void add(ErrorLaw& law, int level, const TrialError& error, const std::string& what) {
+  void add(ErrorLaw& law, int level, const TrialError& found, const std::string& what) {
+    const TrialError error = of_pixels(found, instrument_);
     law.measured(level, error.bands);
     out_.measured.push_back(
         fmt::format("{}: {:.2g} %, at most {:.2g} %", what, 100 * error.estimate, 100 * error.bound));
@@ -340,9 +341,10 @@ bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& 
 
 /// Of an image that is tried whole: refines the choice until the draw that it will have is inside the tolerance.
 /// Returns the bound of that draw's error.
-double hold_draw(PixelTrial& trial, LevelSearch& search, const SamplePattern& pattern, Choice& choice, Decision& out) {
+double hold_draw(PixelTrial& trial, LevelSearch& search, const scene::Instrument& instrument,
+                 const SamplePattern& pattern, Choice& choice, Decision& out) {
   for (int round = 0;; ++round) {
-    const TrialError own = trial.own_draw(choice.samples, choice.directions);
+    const TrialError own = of_pixels(trial.own_draw(choice.samples, choice.directions), instrument);
     out.measured.push_back(fmt::format("{}, directions {}, the image's own draw: {:.2g} %, at most {:.2g} %",
                                        pattern.name(choice.samples), choice.directions, 100 * own.estimate,
                                        100 * own.bound));
@@ -437,7 +439,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   const SamplePattern& pattern = sample_pattern(instrument);
   double drawn = -1;
   if (trial.whole() && !out.samples_given && instrument.box_pixels())
-    drawn = hold_draw(trial, search, pattern, choice, out);
+    drawn = hold_draw(trial, search, instrument, pattern, choice, out);
   take_levels(out, plan, choice, pattern);
   take_errors(out, choice, search.of_samples(), search.of_directions(), sky, pattern);
   if (drawn >= 0) out.total_error = std::hypot(out.plan_error, drawn), out.within = out.total_error <= out.tolerance;

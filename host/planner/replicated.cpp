@@ -164,10 +164,10 @@ class Doubling {
 Replicates render_replicates(render::Renderer& renderer, const scene::Simulation& simulation,
                              const scene::Instrument& instrument, const plan::Plan& plan, double budget) {
   Replicates out;
-  out.size = first_size(instrument, plan, simulation.tolerance);
+  out.size = first_size(instrument, plan, instrument.cells_along * simulation.tolerance);
   auto doubling = std::make_unique<Doubling>(renderer, simulation, instrument, plan, out.size);
   for (bool fitted = false;;) {
-    out.error = doubling->next();
+    out.error = of_pixels(doubling->next(), instrument);
     const int count = doubling->count();
     out.measured.push_back(fmt::format("{} x lattice {}, directions {}: {:.2g} %, at most {:.2g} %", count,
                                        out.size.samples, out.size.directions, 100 * out.error.estimate,

@@ -151,6 +151,14 @@ std::vector<double> judged_means(std::vector<double> mean, double pixels) {
   return mean;
 }
 
+TrialError of_pixels(TrialError error, const scene::Instrument& instrument) {
+  const double cells = instrument.cells_along;
+  error.estimate /= cells, error.bound /= cells;
+  for (auto* values : {&error.bands.estimate, &error.bands.bound})
+    for (double& value : *values) value /= cells;
+  return error;
+}
+
 TrialError common_error(const TrialImage& image, const TrialImage& again, const TrialImage& one, const TrialImage& two,
                         const std::vector<double>& mean) {
   const auto square = [&](std::size_t i) {

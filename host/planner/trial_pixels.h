@@ -61,6 +61,10 @@ struct TrialError {
   BandErrors bands = {};  ///< the same of each band; empty: not told
 };
 
+/// Of pixels, from what cells of theirs err (host/sensors/cells.h): their draws are their own, and a pixel is the mean
+/// of cells_along^2 or, blurred, of more.
+TrialError of_pixels(TrialError error, const scene::Instrument& instrument);
+
 /// Mean radiance of each band, held against 1e-4 of the largest.
 std::vector<double> judged_means(const TrialImage& image);
 /// The same from sums over so many pixels.

@@ -140,6 +140,10 @@ void add_truth(const float* layers, std::size_t shares, double* sums) {
   for (const auto layer : kAngles) sums[layer] += hit * std::cos(base::rad_from_deg(layers[layer]));
 }
 
+void copy_angles_of_view(const float* from, float* to) {
+  for (const auto layer : kInCommon) to[layer] = from[layer];
+}
+
 void mean_truth(const double* sums, int count, std::size_t materials, std::size_t shares, float* layers) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const double hit = sums[truth::hit_fraction];

@@ -66,6 +66,9 @@ void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun
 /// layers from `abundance` on.
 void add_truth(const float* layers, std::size_t shares, double* sums);
 
+/// Angles of view and sun, which are those of a pixel's middle.
+void copy_angles_of_view(const float* from, float* to);
+
 /// Layers of the mean of `count` images, from their sums; of the shares the first are the materials' abundances.
 void mean_truth(const double* sums, int count, std::size_t materials, std::size_t shares, float* layers);
 

@@ -41,9 +41,11 @@ plan::HeightRange seen_heights(const scene::CompiledScene& scene, const plan::Vi
   return {scene.lo[2], std::min<double>(scene.hi[2], view.sensor_height_m)};
 }
 
-CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instrument& instrument, Services& services,
+CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instrument& given, Services& services,
                          const Planning& planning) {
   CameraJob job;
+  job.cells = sensors::make_cells(given, services.threads);
+  const scene::Instrument& instrument = job.cells ? job.cells->rendered : given;
   auto planned = std::make_shared<scene::Instrument>(instrument);
   job.planned = planned;
   job.instrument = planned.get();

@@ -13,6 +13,7 @@
 #include "host/plan/plan.h"
 #include "host/planner/planner.h"
 #include "host/render/renderer.h"
+#include "host/sensors/cells.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::planner {
@@ -34,12 +35,15 @@ struct Planning {
 
 /// What one instrument's render needs besides the scene.
 struct CameraJob {
+  std::shared_ptr<const sensors::Cells> cells;       ///< of a camera with focal planes: what is rendered; else null
   std::shared_ptr<const scene::Instrument> planned;  ///< with the planner's samples
   const scene::Instrument* instrument = nullptr;     ///< the same
   planner::Decision decision;
   atmos::RenderTable table;
   plan::Plan plan;
   std::vector<std::string> notices;  ///< of table and instrument together; the log has them
+  /// Whose image it becomes.
+  const scene::Instrument& image() const { return cells ? cells->seen : *instrument; }
   double table_s = 0, kernels_s = 0, plan_s = 0, plan_processor_s = 0;  ///< kernels: built, or taken from the cache
 };
 

@@ -17,6 +17,7 @@
 #include "host/base/publication.h"
 #include "host/run/measured_cube.h"
 #include "host/run/radiance_guard.h"
+#include "host/run/spread_files.h"
 #include "host/run/truth_cubes.h"
 #include "host/plan/radiance_limit.h"
 #include "host/products/digest.h"
@@ -118,18 +119,34 @@ void check_output_place(const std::string& folder, bool overwrite) {
                                                     "; choose a folder you may write to with -o");
 }
 
+namespace {
+
+/// Of the image's bands, from those that were rendered.
+std::vector<double> limit_of(const CameraJob& job, const std::vector<double>& rendered) {
+  if (!job.cells) return rendered;
+  std::vector<double> out;
+  for (const sensors::BandOfCells& band : job.cells->bands) {
+    out.push_back(0);
+    for (const std::size_t from : band.from) out.back() = std::max(out.back(), rendered[from]);
+  }
+  return out;
+}
+
+}  // namespace
+
 struct CubeProducts::State {
   State(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation_,
         const CameraJob& job_)
       : simulation(simulation_),
-        instrument(*job_.instrument),
+        instrument(job_.image()),
         plan(job_.plan),
         set(folder, if_exists),
-        guard(*job_.instrument, plan::radiance_limit(job_.plan, simulation_.scene, job_.table)),
-        layers(render::truth_layer_names(simulation_.scene, *job_.instrument)),
+        cells(job_.cells.get()),
+        guard(instrument, limit_of(job_, plan::radiance_limit(job_.plan, simulation_.scene, job_.table))),
+        layers(render::truth_layer_names(simulation_.scene, instrument)),
         shown(shown_bands(instrument)),
-        missed(simulation_, *job_.instrument),
-        order(job_.instrument->pixels, job_.instrument->lines) {
+        missed(simulation_, instrument),
+        order(instrument.pixels, instrument.lines) {
     set.hash_blocks();
     const auto& origin = simulation.scene.origin;
     const std::string where = fmt::format("scene origin: EPSG:{} easting {:.3f} m, northing {:.3f} m, height {:.3f} m",
@@ -279,6 +296,7 @@ struct CubeProducts::State {
   const scene::Instrument& instrument;
   const plan::Plan& plan;
   base::OutputSet set;
+  const sensors::Cells* cells;
   RadianceGuard guard;
   std::vector<render::LayerName> layers;
   std::vector<int> shown;
@@ -354,6 +372,10 @@ void CubeProducts::publish(products::RunRecord& record, const Services& services
     record.files.emplace_back("location.img", "easting, northing, height of each pixel, ENVI");
   }
   s.truth_cubes->finish(record);
+  if (s.cells) {
+    for (const auto& [name, what] : add_spread_files(*s.cells, s.set)) record.files.emplace_back(name, what);
+    record.more_json.emplace_back("focal_planes", spread_json(*s.cells));
+  }
   if (s.instrument.detector) {
     const ReadsRadiance read = [&](std::int64_t first, std::int64_t lines, float* to) {
       s.radiance->read_back(first, lines, to);

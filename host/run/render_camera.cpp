@@ -15,6 +15,7 @@
 #include "host/planner/plan_lines.h"
 #include "host/run/cube_products.h"
 #include "host/run/load_job.h"
+#include "host/run/spread_image.h"
 
 namespace raycube::run {
 
@@ -70,10 +71,10 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.threads = threads > 0 ? threads : static_cast<int>(device.compute_units);
   record.program_hash = statistics.program_hash;
   record.kernel_variants = {statistics.build_options};
-  record.samples = instrument.pixels;
-  record.lines = instrument.lines;
-  record.bands = static_cast<std::int64_t>(instrument.bands.size());
-  record.samples_per_pixel = instrument.all_samples();
+  record.samples = job.image().pixels;
+  record.lines = job.image().lines;
+  record.bands = static_cast<std::int64_t>(job.image().bands.size());
+  record.samples_per_pixel = instrument.all_samples() * instrument.cells_along * instrument.cells_along;
   record.stage_s = {
       {"load", destination.load_s}, {"atmosphere", job.table_s}, {"kernels", job.kernels_s}, {"plan", job.plan_s}};
   for (const auto& stage : statistics.stage_s) record.stage_s.push_back(stage);
@@ -149,15 +150,21 @@ void add_warning(const std::string& text, products::RunRecord& record, Services&
 render::RenderStatistics render_into(CubeProducts& output, const scene::Simulation& simulation, const CameraJob& job,
                                      const plan::Plan& plan, render::Renderer& renderer, const Services& services) {
   const auto& instrument = *job.instrument;
+  std::optional<SpreadImage> spread;
+  if (job.cells)
+    spread.emplace(simulation, job, services.threads, [&](const render::Strip& strip) { output.add(strip); });
   const Step step(services, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
   std::uint64_t reported = 0;
-  return renderer.render(
-      instrument, plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) { output.add(strip); },
+  auto statistics = renderer.render(
+      instrument, plan, simulation.sun, simulation.seed,
+      [&](const render::Strip& strip) { spread ? spread->add(strip) : output.add(strip); },
       [&](std::uint64_t done, std::uint64_t) {
         step.advance(done - reported);
         reported = done;
       },
       job.decision.image.get());
+  if (spread) spread->finish();
+  return statistics;
 }
 
 }  // namespace
@@ -190,7 +197,7 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   add_error(renderer, simulation, job, statistics.spread, record, services);
   output.publish(record, services);
   services.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
-                                instrument.pixels, instrument.lines, instrument.bands.size(), took.render_s,
+                                job.image().pixels, job.image().lines, job.image().bands.size(), took.render_s,
                                 record.rays_per_s, destination.folder));
   return {
       instrument.name,   destination.folder,       record.digest, destination.folder + "/radiance.img", took.render_s,

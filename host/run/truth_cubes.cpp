@@ -13,9 +13,9 @@ namespace raycube::run {
 
 TruthCubes::TruthCubes(base::OutputSet& set, const scene::Simulation& simulation, const CameraJob& job,
                        const MakeHeader& header)
-    : instrument_(*job.instrument),
+    : instrument_(job.image()),
       plan_(job.plan),
-      layers_(render::truth_layer_names(simulation.scene, *job.instrument).size()) {
+      layers_(render::truth_layer_names(simulation.scene, job.image()).size()) {
   std::vector<scene::BandTruth> asked = plan::truth_columns(job.plan, *job.instrument);
   if (instrument_.asks_for(scene::BandTruth::transmission)) {
     asked.push_back(scene::BandTruth::transmission);

@@ -1,0 +1,222 @@
+#include "host/sensors/cells.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/attitude.h"
+#include "host/base/parallel.h"
+
+namespace raycube::sensors {
+namespace {
+
+using scene::FocalPlane;
+using scene::Instrument;
+using scene::InstrumentKind;
+
+const FocalPlane& plane_of(const Instrument& instrument, std::size_t band) {
+  return instrument.focal_planes[instrument.plane_of(instrument.bands[band].center_um)];
+}
+
+/// -1 at the line's first sample, 1 at its last.
+double across(const Instrument& instrument, double sample) {
+  return instrument.pixels < 2 ? 0 : 2 * sample / (instrument.pixels - 1) - 1;
+}
+
+/// Bilinear in the table; beyond its edges theirs.
+double table_value(const scene::DistortionTable& table, const std::vector<std::vector<double>>& values, double um,
+                   double sample) {
+  const auto place = [](const std::vector<double>& at, double x, std::size_t& i, double& t) {
+    const auto above = std::upper_bound(at.begin(), at.end(), x);
+    i = above == at.begin() ? 0 : std::min(static_cast<std::size_t>(above - at.begin()) - 1, at.size() - 1);
+    const std::size_t next = std::min(i + 1, at.size() - 1);
+    t = next == i ? 0 : std::clamp((x - at[i]) / (at[next] - at[i]), 0.0, 1.0);
+  };
+  std::size_t w, s;
+  double tw, ts;
+  place(table.wavelength_um, um, w, tw), place(table.sample, sample, s, ts);
+  const auto row = [&](std::size_t r) {
+    return std::lerp(values[r][s], values[r][std::min(s + 1, table.sample.size() - 1)], ts);
+  };
+  return std::lerp(row(w), row(std::min(w + 1, table.wavelength_um.size() - 1)), tw);
+}
+
+/// Pose at a place between poses, extrapolated past the ends.
+scene::Pose between(const scene::Pose& a, const scene::Pose& b, double t) {
+  const base::Attitude turned =
+      base::attitude_between({a.roll_deg, a.pitch_deg, a.heading_deg}, {b.roll_deg, b.pitch_deg, b.heading_deg}, t);
+  return {a.x_m + t * (b.x_m - a.x_m),
+          a.y_m + t * (b.y_m - a.y_m),
+          a.z_m + t * (b.z_m - a.z_m),
+          turned.roll_deg,
+          turned.pitch_deg,
+          turned.heading_deg};
+}
+
+/// The piece that a place lies in and its part of it, of so many poses.
+std::pair<std::size_t, double> piece_of(double at, std::size_t poses) {
+  const double last = static_cast<double>(poses) - 2;
+  const double from = std::clamp(std::floor(at), 0.0, std::max(0.0, last));
+  return {static_cast<std::size_t>(from), at - from};
+}
+
+/// Poses of the cells: of each of their lines, or of each cell.
+std::vector<scene::Pose> cell_poses(const Cells& cells) {
+  const Instrument& seen = cells.seen;
+  if (seen.kind == InstrumentKind::framing) return seen.poses;
+  const auto lines = static_cast<std::size_t>(seen.lines), pixels = static_cast<std::size_t>(seen.pixels);
+  const auto place = [&](int axis, int cell) {
+    return (cell + 0.5) / cells.grid.cells - 0.5 - cells.margin_px[static_cast<std::size_t>(axis)];
+  };
+  std::vector<scene::Pose> out;
+  for (int line = 0; line < cells.rendered.lines; ++line) {
+    const auto [l, t] = piece_of(place(1, line), lines);
+    if (seen.kind == InstrumentKind::pushbroom) {
+      out.push_back(between(seen.poses[l], seen.poses[l + 1], t));
+      continue;
+    }
+    for (int sample = 0; sample < cells.rendered.pixels; ++sample) {
+      const auto [s, u] = piece_of(place(0, sample), pixels);
+      const std::size_t next = std::min(s + 1, pixels - 1);
+      const auto of_line = [&](std::size_t row) {
+        return between(seen.poses[row * pixels + s], seen.poses[row * pixels + next], u);
+      };
+      out.push_back(between(of_line(l), of_line(l + 1), t));
+    }
+  }
+  return out;
+}
+
+/// Bands of the cells: each of the image's, or three shifts of it.
+void make_bands(Cells& cells) {
+  struct Shifted {
+    scene::Band band;
+    std::size_t of;
+    double shift_um;
+  };
+  std::vector<Shifted> all;
+  const Instrument& seen = cells.seen;
+  for (std::size_t b = 0; b < seen.bands.size(); ++b) {
+    double low = 0, high = 0;
+    if (plane_of(seen, b).smiles()) {
+      low = high = smile_um(seen, b, 0);
+      for (int s = 1; s < seen.pixels; ++s) {
+        const double here = smile_um(seen, b, s);
+        low = std::min(low, here), high = std::max(high, here);
+      }
+    }
+    const std::vector<double> shifts =
+        low == high ? std::vector<double>{low} : std::vector<double>{low, (low + high) / 2, high};
+    for (const double shift : shifts) {
+      Shifted one{seen.bands[b], b, shift};
+      one.band.center_um += shift;
+      for (double& um : one.band.wavelength_um) um += shift;
+      all.push_back(std::move(one));
+    }
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Shifted& a, const Shifted& b) { return a.band.center_um < b.band.center_um; });
+  cells.bands.assign(seen.bands.size(), {});
+  cells.rendered.bands.clear();
+  for (Shifted& one : all) {
+    cells.bands[one.of].from.push_back(cells.rendered.bands.size());
+    cells.bands[one.of].shift_um.push_back(one.shift_um);
+    cells.rendered.bands.push_back(std::move(one.band));
+  }
+}
+
+/// One kernel for all bands of a plane that sees them alike, else one each.
+void make_kernels(Cells& cells, const std::vector<OpticalTransfer>& optics, int threads) {
+  const Instrument& seen = cells.seen;
+  std::vector<std::size_t> of_plane(optics.size(), SIZE_MAX), made_for;
+  for (std::size_t b = 0; b < seen.bands.size(); ++b) {
+    const std::size_t plane = seen.plane_of(seen.bands[b].center_um);
+    const bool grey = seen.focal_planes[plane].grey();
+    if (!grey || of_plane[plane] == SIZE_MAX) of_plane[plane] = made_for.size(), made_for.push_back(b);
+    cells.bands[b].kernel = of_plane[plane];
+    const auto& offset = seen.focal_planes[plane].offset_px;
+    cells.bands[b].offset_cells = {offset[0] * cells.grid.cells,
+                                   offset[1] * cells.grid.lines_of_pixel * cells.grid.cells};
+  }
+  cells.kernels.resize(made_for.size());
+  base::for_each_index(made_for.size(), threads, [&](std::size_t i) {
+    const std::size_t b = made_for[i];
+    cells.kernels[i] = make_kernel(optics[seen.plane_of(seen.bands[b].center_um)], seen.bands[b].center_um, cells.grid);
+  });
+}
+
+void settle_margin(Cells& cells) {
+  const Instrument& seen = cells.seen;
+  for (std::size_t b = 0; b < seen.bands.size(); ++b)
+    if (const FocalPlane& plane = plane_of(seen, b); plane.keystone_px != 0 || !plane.distortion.keystone_px.empty())
+      for (int s = 0; s < seen.pixels; ++s)
+        cells.most_keystone_px = std::max(cells.most_keystone_px, std::abs(keystone_px(seen, b, s)));
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    double far = 0;
+    for (const BandOfCells& band : cells.bands)
+      far = std::max(far, cells.kernels[band.kernel].half[axis] + std::abs(band.offset_cells[axis]));
+    far += kShiftReach + 1 + (axis == 0 ? cells.most_keystone_px * cells.grid.cells : 0);
+    cells.margin_px[axis] = static_cast<int>(std::ceil(far / cells.grid.cells));
+  }
+}
+
+}  // namespace
+
+std::vector<double> BandOfCells::shares(double um) const {
+  std::vector<double> out(from.size(), 1.0);
+  for (std::size_t i = 0; i < from.size(); ++i)
+    for (std::size_t j = 0; j < from.size(); ++j)
+      if (j != i) out[i] *= (um - shift_um[j]) / (shift_um[i] - shift_um[j]);
+  return out;
+}
+
+double smile_um(const Instrument& instrument, std::size_t band, double sample) {
+  const FocalPlane& plane = plane_of(instrument, band);
+  if (!plane.distortion.smile_um.empty())
+    return table_value(plane.distortion, plane.distortion.smile_um, instrument.bands[band].center_um, sample);
+  const double x = across(instrument, sample);
+  return plane.smile_um * x * x;
+}
+
+double keystone_px(const Instrument& instrument, std::size_t band, double sample) {
+  const FocalPlane& plane = plane_of(instrument, band);
+  const double um = instrument.bands[band].center_um;
+  if (!plane.distortion.keystone_px.empty())
+    return table_value(plane.distortion, plane.distortion.keystone_px, um, sample);
+  if (plane.keystone_px == 0) return 0;
+  double first = 1e300, last = 0;
+  for (const scene::Band& other : instrument.bands)
+    if (other.center_um >= plane.first_um && other.center_um <= plane.last_um)
+      first = std::min(first, other.center_um), last = std::max(last, other.center_um);
+  return last > first ? plane.keystone_px * across(instrument, sample) * (um - 0.5 * (first + last)) / (last - first)
+                      : 0;
+}
+
+std::shared_ptr<const Cells> make_cells(const Instrument& instrument, int threads) {
+  if (instrument.focal_planes.empty()) return nullptr;
+  auto cells = std::make_shared<Cells>();
+  cells->seen = cells->rendered = instrument;
+  cells->grid.lines_of_pixel = instrument.lines_of_pixel,
+  cells->grid.moving = instrument.motion == scene::PoseMotion::moving;
+  std::vector<OpticalTransfer> optics;
+  for (const FocalPlane& plane : cells->seen.focal_planes) optics.emplace_back(plane, 15.0);
+  cells->grid.cells = instrument.oversampling;
+  for (std::size_t b = 0; instrument.oversampling == 0 && b < instrument.bands.size(); ++b)
+    cells->grid.cells = std::max(
+        cells->grid.cells, enough_cells(optics[instrument.plane_of(instrument.bands[b].center_um)],
+                                        instrument.bands[b].center_um, instrument.lines_of_pixel, cells->grid.moving));
+  make_bands(*cells);
+  make_kernels(*cells, optics, threads);
+  settle_margin(*cells);
+  Instrument& r = cells->rendered;
+  const int q = cells->grid.cells;
+  r.pixels = (instrument.pixels + 2 * cells->margin_px[0]) * q;
+  r.lines = (instrument.lines + 2 * cells->margin_px[1]) * q;
+  r.ifov_across_rad /= q, r.ifov_along_rad /= q * instrument.lines_of_pixel;
+  r.motion = scene::PoseMotion::held;
+  r.poses = cell_poses(*cells);
+  r.focal_planes.clear(), r.detector.reset(), r.quicklook_bands.clear();
+  r.cells_along = q;
+  return cells;
+}
+
+}  // namespace raycube::sensors
