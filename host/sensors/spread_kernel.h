@@ -1,11 +1,11 @@
 // The point spread of one band on a grid of cells, as a short sum of products of a row's and a column's weights.
 //
 // A cell is the mean of its samples, so that the grid shows the ground times sinc(fu / q) sinc(fv / q), q cells a
-// pixel. Weights w whose transform is T over that, for frequencies below q / 2 cycles a pixel, make of it an image with the
-// transfer T, exactly where the ground holds nothing finer; a pixel's box comes out as q equal weights. What is finer
-// than q / 2 is seen as T(q - f) sinc(f / q) instead of T(f). Weights end at the spread's reach and are made to sum to
-// 1: what that costs is in `mtf_error`. A singular-value decomposition writes the square of weights as few products:
-// one for Gaussians, boxes and smear, four to eight for diffraction.
+// pixel. Weights w whose transform is T over that, for frequencies below q / 2 cycles a pixel, make of it an image with
+// the transfer T, exactly where the ground holds nothing finer; a pixel's box comes out as q equal weights. What is
+// finer than q / 2 is seen as T(q - f) sinc(f / q) instead of T(f). Weights end at the spread's reach and are made to
+// sum to 1: what that costs is in `mtf_error`. A singular-value decomposition writes the square of weights as few
+// products: one for Gaussians, boxes and smear, four to eight for diffraction.
 #pragma once
 
 #include <array>
@@ -45,9 +45,9 @@ std::complex<double> wanted_transfer(const OpticalTransfer& optics, double um, c
 
 SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid);
 
-/// Weights that look `cells` farther on: each neighbour's by Lagrange's polynomial through six, at most 0.5 % off a wave
-/// of six cells (half a cycle a pixel at q = 3), 1e-4 off one of twelve. kShiftReach longer on either side, and by the
-/// whole cells.
+/// Weights that look `cells` farther on: each neighbour's by Lagrange's polynomial through six, at most 0.5 % off a
+/// wave of six cells (half a cycle a pixel at q = 3), 1e-4 off one of twelve. kShiftReach longer on either side, and by
+/// the whole cells.
 Taps shifted(const Taps& taps, double cells, int longer);
 inline constexpr int kShiftReach = 3;
 
