@@ -15,6 +15,7 @@ Verb verb_analyze_unmix();
 Verb verb_analyze_detect();
 Verb verb_analyze_roc();
 Verb verb_analyze_register();
+Verb verb_analyze_locate();
 Verb verb_analyze_scorecard();
 
 }  // namespace raycube::cli

@@ -1,5 +1,5 @@
-// From cells to pixels: a camera with focal planes, whose cells come in as they are rendered and whose lines go out when
-// all that they see has come.
+// From cells to pixels: a camera with focal planes, whose cells come in as they are rendered and whose lines go out
+// when all that they see has come.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ class SpreadImage {
   /// sink: of the image's lines, in order. Keeps references. threads: 0: all.
   SpreadImage(const scene::Simulation& simulation, const CameraJob& job, int threads, render::StripSink sink);
 
-  /// Cells, in any order. What waits is lines of cells that came before their turn, and sums of lines of pixels that are
-  /// not whole: memory does not grow with the image's lines. The same bits in any order and on any threads.
+  /// Cells, in any order. What waits is lines of cells that came before their turn, and sums of lines of pixels that
+  /// are not whole: memory does not grow with the image's lines. The same bits in any order and on any threads.
   void add(const render::Strip& cells);
   /// Throws Error(bug) where the image is not whole.
   void finish() const;

@@ -1,5 +1,5 @@
-// A camera with focal planes, rendered as cells: an instrument of finer pixels, past its edges, in whose image each band
-// is convolved with its own point spread.
+// A camera with focal planes, rendered as cells: an instrument of finer pixels, past its edges, in whose image each
+// band is convolved with its own point spread.
 #pragma once
 
 #include <memory>

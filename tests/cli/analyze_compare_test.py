@@ -8,7 +8,7 @@ import numpy as np
 import scipy.linalg
 import scipy.stats
 
-from analysis_kit import Analysis, values, write_cube
+from analysis_kit import Analysis, layers, values, write_cube
 from driver import Program
 
 program = Program(sys.argv[1])
@@ -108,8 +108,89 @@ def scores(folder):
     program.refused("analyze", "scorecard", a, "--other", few, "-o", folder / "no", status=2, says=["must be the same"])
 
 
+SCENE = """format = 1
+[scene]
+origin = { epsg = 32618, easting_m = 276000.0, northing_m = 4753000.0, height_m = 180.0 }
+[atmosphere]
+model = "none"
+[time.sun]
+zenith_deg = 30.0
+azimuth_deg = 90.0
+[[material]]
+name = "ground"
+reflectance = 0.3
+[[plane]]
+material = "ground"
+size_m = [400.0, 400.0]
+[[box]]
+material = "ground"
+size_m = [6.0, 6.0, 12.0]
+position_m = [4.0, -3.0, 0.0]
+"""
+CAMERA = """[[instrument]]
+name = "%s"
+kind = "framing"
+pixels = %d
+lines = %d
+altitude_agl_m = 500.0
+center_m = [%r, %r]
+heading_deg = %r
+gsd_m = %r
+samples = { grid = [8, 8] }
+bands = { first_nm = 550.0, step_nm = 10.0, count = 1, fwhm_nm = 10.0 }
+"""
+
+
+def located(folder):
+    """Two cameras of other scales, places and headings over level ground: the plane's own map from one to the other.
+    Where a box stands, one sees its far side's ground and the other does not."""
+    one = (60, 50, 0.0, 0.0, 0.0, 1.0)
+    two = (240, 200, 7.0, -4.0, 30.0, 0.3)
+    (folder / "two.toml").write_text(SCENE + CAMERA % ("a", *one) + CAMERA % ("b", *two))
+    program.run("render", folder / "two.toml", "-o", folder / "two", "--overwrite", "-q", "-q")
+    for file in ("truth.img", "location.img"):
+        numbers = analyze(folder, "locate", folder / f"two/a/{file}", "--other", folder / f"two/b/{file}", picture=True)
+        sample, line = layers(folder, "locate")
+        y, x = np.mgrid[0:50, 0:60].astype(float)
+        east, north = x - 29.5, 24.5 - y
+        turn = np.radians(30)
+        right = (east - 7) * np.cos(turn) - (north + 4) * np.sin(turn)
+        up = (east - 7) * np.sin(turn) + (north + 4) * np.cos(turn)
+        s, l = right / 0.3 + 119.5, 99.5 - up / 0.3
+        inside = (s > 0) & (s < 239) & (l > 0) & (l < 199)
+        box = (np.abs(east - 4) < 6) & (np.abs(north + 3) < 6)
+        program.check(np.isfinite(sample[inside & ~box]).all() and np.isnan(sample[(s < -1) | (s > 240)]).all())
+        off = np.hypot(sample - s, line - l)[inside & ~box].max()
+        program.check(off < 0.02, file, off)  # means of 64 hits in floats
+        program.check(numbers["found"] == np.isfinite(sample).sum(), numbers["found"])
+        close(numbers["sample"]["per_sample"], np.cos(turn) / 0.3, 1e-3, "per sample")
+    program.refused(
+        "analyze",
+        "locate",
+        folder / "two/a/truth.img",
+        "--other",
+        folder / "two/b/location.img",
+        "-o",
+        folder / "no",
+        status=2,
+        says=["truth.img of both"],
+    )
+    program.refused(
+        "analyze",
+        "locate",
+        folder / "two/a/radiance.img",
+        "--other",
+        folder / "two/b/truth.img",
+        "-o",
+        folder / "no",
+        status=2,
+        says=["no layers"],
+    )
+
+
 with tempfile.TemporaryDirectory() as name:
     top = pathlib.Path(name)
     of_other_sizes(top, *shifts(top))
     scores(top)
+    located(top)
     print(f"analyze compare: {program.checks} checks")
