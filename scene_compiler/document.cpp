@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "host/base/input_file.h"
+#include "scene_compiler/document_overrides.h"
 #include "scene_compiler/document_values.h"
 
 namespace raycube::scene {
@@ -94,7 +95,7 @@ std::string type_found(const toml::node& node) {
 
 class DocumentReader {
  public:
-  explicit DocumentReader(Problems& problems) : problems_(problems) {}
+  DocumentReader(Problems& problems, Overrides& overrides) : problems_(problems), overrides_(overrides) {}
 
   void read_file(const fs::path& path, const std::string& name, const Where& asked_by, Record& root) {
     std::error_code ignored;
@@ -113,8 +114,9 @@ class DocumentReader {
         return;
       }
     const File file{name, path.parent_path()};
-    const auto table = parsed(path, file, asked_by, "simulation file");
+    auto table = parsed(path, file, asked_by, "simulation file");
     if (!table) return;
+    overrides_.apply(*table);
     open_.push_back(canonical);
     check_format(*table, file);
     read_table(*table, file, "", root);
@@ -163,8 +165,9 @@ class DocumentReader {
     const Value& asked = record.values["sensor"];
     const fs::path path(asked.text);
     const File file{asked.text, path.parent_path()};
-    const auto table = parsed(path, file, asked.where, "sensor's file");
+    auto table = parsed(path, file, asked.where, "sensor's file");
     if (!table) return;
+    overrides_.apply(*table, "instrument." + record.values["name"].text);
     check_format(*table, file);
     toml::table rest;
     for (const auto& [key, node] : *table) {
@@ -466,16 +469,19 @@ class DocumentReader {
   }
 
   Problems& problems_;
+  Overrides& overrides_;
   std::vector<fs::path> open_, done_;
 };
 
 }  // namespace
 
-Record read_document(const std::string& file, base::Problems& problems) {
+Record read_document(const std::string& file, base::Problems& problems, const std::vector<std::string>& overrides) {
   Record root;
   root.where = {file, 1, 1, ""};
   const std::size_t before = problems.lines().size();
-  DocumentReader(problems).read_file(file, file, {}, root);
+  Overrides values(overrides, problems);
+  DocumentReader(problems, values).read_file(file, file, {}, root);
+  if (problems.lines().size() == before) values.report_unused(file, problems);
   const bool parsed = problems.lines().size() == before || !root.values.empty();
   fill_defaults(root, parsed ? &problems : nullptr);
   return root;

@@ -1,5 +1,5 @@
 // A simulation file and its includes as typed, range-checked records with defaults filled in: what the option
-// table says and no more. toml++ stays inside document.cpp.
+// table says and no more. toml++ stays inside document.cpp and document_overrides.cpp.
 #pragma once
 
 #include <cstdint>
@@ -64,7 +64,8 @@ struct Record {
 
 /// Reads a file and everything it includes. Syntax, unknown keys, types, ranges and cycles go to `problems`;
 /// what is sound is returned all the same, so that later stages can find more problems in the same run.
-Record read_document(const std::string& file, base::Problems& problems);
+/// overrides: KEY=VALUE in place of what the files say (document_overrides.h).
+Record read_document(const std::string& file, base::Problems& problems, const std::vector<std::string>& overrides = {});
 
 /// What the file gives for one key of the record, or its default, as JSON on one line.
 std::string value_text(const Record& record, std::string_view key);

@@ -265,7 +265,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   Problems problems;
   Simulation out;
   out.file = std::filesystem::absolute(file).lexically_normal().string();
-  const Record root = read_document(file, problems);
+  const Record root = read_document(file, problems, options.overrides);
   out.tolerance = root.number("tolerance");
   out.seed = options.seed.value_or(static_cast<std::uint64_t>(root.integer("seed")));
   out.sky_directions_given = root.given("sky_directions");

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scene_compiler/simulation.h"
 
@@ -17,6 +18,7 @@ struct LoadOptions {
   /// Instead of the file's [atmosphere] model ("layered", "clear_sky"); empty: the file's. What the file says
   /// of air that both models have goes over to it; a key of the other model alone is a problem.
   std::string air_model = {};
+  std::vector<std::string> overrides = {};  ///< KEY=VALUE in place of what the file says (document_overrides.h)
 };
 
 /// Reads a file, its includes and all it names. Throws one Error(input) that lists every problem found, each

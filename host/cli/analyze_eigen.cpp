@@ -20,12 +20,12 @@ struct EigenRequest : AnalyzeRequest {
   int count = 4;
 };
 
-struct Found {
+struct FoundStructure {
   std::uint64_t pixels = 0;
   analysis::EigenStructure structure;
 };
 
-Found structure_of(const analysis::Cube& cube, const EigenRequest& request, const run::Services& services) {
+FoundStructure structure_of(const analysis::Cube& cube, const EigenRequest& request, const run::Services& services) {
   const std::vector<analysis::Region> regions = regions_of(request, cube);
   analysis::Chooses chooses;
   if (!regions.empty())
@@ -36,13 +36,13 @@ Found structure_of(const analysis::Cube& cube, const EigenRequest& request, cons
   if (moments.count() < 2)
     throw base::Error(base::Fault::input, fmt::format("{}: a covariance needs two pixels or more (found {})",
                                                       cube.path(), moments.count()));
-  Found out{moments.count(), analysis::eigen_structure(moments.covariance())};
+  FoundStructure out{moments.count(), analysis::eigen_structure(moments.covariance())};
   if (!(out.structure.values[0] > 0))
     throw base::Error(base::Fault::input, cube.path() + ": all pixels are alike; there is no direction to find");
   return out;
 }
 
-nlohmann::ordered_json json_of(const analysis::Cube& cube, const Found& found, std::size_t count) {
+nlohmann::ordered_json json_of(const analysis::Cube& cube, const FoundStructure& found, std::size_t count) {
   const Eigen::VectorXd& values = found.structure.values;
   nlohmann::ordered_json out = {{"cube", cube.path()}, {"pixels", found.pixels}, {"eigenvalues", list_of(values)}};
   out["over_the_first"] = list_of(values / std::max(values[0], 1e-300));
@@ -57,11 +57,11 @@ int eigen(const EigenRequest& request, Invocation& invocation) {
   const analysis::Cube cube(request.cube, request.bands);
   const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(request.count), cube.bands());
   AnalysisFolder folder(invocation, request, "eigen");
-  const Found found = structure_of(cube, request, services);
+  const FoundStructure found = structure_of(cube, request, services);
   folder.numbers()["structures"].push_back(json_of(cube, found, count));
   std::vector<std::string> columns;
   std::vector<std::vector<double>> vectors;
-  const auto add_columns = [&](const Found& of, const std::string& head) {
+  const auto add_columns = [&](const FoundStructure& of, const std::string& head) {
     for (std::size_t k = 0; k < count; ++k)
       columns.push_back(fmt::format("{}{}", head, k + 1)),
           vectors.push_back(list_of(of.structure.vectors.col(static_cast<Eigen::Index>(k))));
@@ -79,7 +79,7 @@ int eigen(const EigenRequest& request, Invocation& invocation) {
   } else {
     const analysis::Cube other(request.other, request.bands);
     analysis::require_same_bands(cube, other);
-    const Found second = structure_of(other, request, services);
+    const FoundStructure second = structure_of(other, request, services);
     folder.numbers()["structures"].push_back(json_of(other, second, count));
     add_columns(second, "other_eigenvector_");
     const std::vector<double> alike = analysis::alignments(found.structure, second.structure, count);

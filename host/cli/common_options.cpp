@@ -12,6 +12,11 @@ void add_common_options(base::OptionTable& table, CommonOptions& values, unsigne
   if (set & kSeed)
     table.integer<std::uint64_t>("--seed", "", 0, std::numeric_limits<std::uint64_t>::max(),
                                  "Seed of every random number; without it the file's own", values.seed);
+  if (set & kSet)
+    table.texts("--set", "KEY=VALUE",
+                "Say a key of the simulation file otherwise, as in atmosphere.visibility_km=12 or "
+                "instrument.spectir.pixels=100",
+                values.set);
   if (set & kDevice)
     table.text("--device", "NAME", "OpenCL device: its number in `raycube devices` or a part of its name",
                values.device);

@@ -39,6 +39,7 @@ enum CommonSet : unsigned {
   kDevice = 8,    ///< --device
   kThreads = 16,  ///< --threads
   kMemory = 32,   ///< --memory
+  kSet = 64,      ///< --set
   kCompute = kSeed | kDevice | kThreads | kMemory
 };
 
@@ -49,6 +50,7 @@ struct CommonOptions {
   bool dry_run = false;
   std::optional<std::uint64_t> seed;                    ///< empty: what the file says
   std::string device;                                   ///< empty: first device; else its number or a part of its name
+  std::vector<std::string> set;                         ///< KEY=VALUE in place of what a simulation file says
   int threads = 0;                                      ///< 0: as many as the machine has
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< bound of host plus device memory
   int quiet = 0, verbose = 0;

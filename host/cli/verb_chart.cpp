@@ -92,7 +92,7 @@ std::string chart_text(const run::Chart& chart) {
 
 int run(Invocation& invocation, const ChartRequest& options) {
   run::Services services = services_of(invocation);
-  scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services, invocation.common.set);
   run::check_inputs(simulation, run::pick_instruments(simulation, options.instrument),
                     run::pick_lidars(simulation, options.instrument));
   const auto wanted = [&](const std::string& name) { return options.instrument.empty() || name == options.instrument; };
@@ -173,7 +173,7 @@ Verb verb_chart() {
       knobs;
   verb.examples = {"raycube chart park.toml --instrument spectir",
                    "raycube chart park.toml --knob samples --knob sky_directions --pixels 2000 -o out"};
-  verb.common = kOutput | kCompute;
+  verb.common = kOutput | kCompute | kSet;
   verb.output_default = "out";
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file", o->file);

@@ -184,7 +184,8 @@ void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& li
 
 int run(Invocation& invocation, const CheckRequest& options) {
   run::Services services = services_of(invocation);
-  const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  const scene::Simulation simulation =
+      run::load_job(options.file, invocation.common.seed, services, invocation.common.set);
   const auto lidars = run::pick_lidars(simulation, options.instrument);
   std::vector<const scene::Instrument*> instruments;
   if (lidars.empty())
@@ -263,7 +264,7 @@ Verb verb_check() {
       "With -o DIR, DIR/INSTRUMENT_check/ gets check.json and, for cubes, difference.png. Beyond a limit the "
       "exit status is 1.";
   verb.examples = {"raycube check park.toml", "raycube check park.toml --instrument spectir --pixels 2000 -o out"};
-  verb.common = kOutput | kCompute;
+  verb.common = kOutput | kCompute | kSet;
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file", o->file);
     table.integer<std::uint64_t>(

@@ -138,7 +138,8 @@ nlohmann::ordered_json to_json(const run::PixelBudget& budget, const scene::Inst
 
 int run(Invocation& invocation, const ExplainRequest& request) {
   run::Services services = services_of(invocation);
-  const scene::Simulation simulation = run::load_job(request.file, invocation.common.seed, services);
+  const scene::Simulation simulation =
+      run::load_job(request.file, invocation.common.seed, services, invocation.common.set);
   const scene::Instrument& given = only_instrument(simulation, request.instrument);
   const PixelPlace at = pixel_place(request.pixel, given);
   const auto count = static_cast<int>(given.bands.size());
@@ -175,7 +176,7 @@ Verb verb_explain() {
       "With --json all bands are told, else those of the quicklook or --band.";
   verb.examples = {"raycube explain park.toml --instrument spectir --pixel 120,80",
                    "raycube explain park.toml --instrument spectir --pixel 120,80 --band 60"};
-  verb.common = kCompute;
+  verb.common = kCompute | kSet;
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file", o->file);
     table.text("--instrument", "NAME", "Which instrument, where the file has several", o->instrument);

@@ -137,7 +137,7 @@ void tell(const scene::LightBudget& budget, const run::BudgetResult& result, std
 
 int run(Invocation& invocation, const MeasureRequest& request) {
   run::Services services = services_of(invocation);
-  scene::Simulation simulation = run::load_job(request.file, invocation.common.seed, services);
+  scene::Simulation simulation = run::load_job(request.file, invocation.common.seed, services, invocation.common.set);
   const Picked picked(simulation, request.name);
   const render::RenderOptions options = render_options(invocation.common);
   if (!picked.measures.empty() && simulation.bounces < scene::kMostChosenBounces)
@@ -199,7 +199,7 @@ Verb verb_measure() {
       "is reflected, absorbed by each material, transmitted to the ground, goes down and up at any level, and is "
       "absorbed by each facet of a mesh. Its folder gets budget.csv and facets_MESH.ply.";
   verb.examples = {"raycube measure canopy.toml -o out", "raycube measure canopy.toml --name albedo --json"};
-  verb.common = kOutput | kCompute;
+  verb.common = kOutput | kCompute | kSet;
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file", o->file);
     table.text("--name", "NAME", "Only the measure or budget of this name", o->name);

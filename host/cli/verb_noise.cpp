@@ -59,7 +59,8 @@ void check_fits(const products::EnviHeader& h, const scene::Instrument& instrume
 
 int noise(const NoiseRequest& request, Invocation& invocation) {
   run::Services services = services_of(invocation);
-  const scene::Simulation simulation = run::load_job(request.file, invocation.common.seed, services);
+  const scene::Simulation simulation =
+      run::load_job(request.file, invocation.common.seed, services, invocation.common.set);
   const scene::Instrument& instrument = pick(simulation, request.instrument);
   check_fits(products::read_envi_header(products::find_envi_pair(request.cube).header), instrument, request.cube);
   const analysis::Cube cube(request.cube, {"1:" + std::to_string(instrument.bands.size()), ""});  // bad ones too
@@ -107,7 +108,7 @@ Verb verb_noise() {
       "same radiance and seed. detector.csv has each band's electrons per radiance, noise and calibration; digital "
       "numbers have the calibration as the header's gains and offsets too. Equations: docs/sensors.md.";
   verb.examples = {"raycube noise out/camera/radiance.img scene.toml --instrument camera --seed 7 -o noisy"};
-  verb.common = kOutput | kSeed | kThreads;
+  verb.common = kOutput | kSeed | kThreads | kSet;
   verb.output_default = "noise";
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("CUBE", "A cube of radiance, W m-2 sr-1 um-1: its data file or its header", o->cube);

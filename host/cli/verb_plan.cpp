@@ -78,7 +78,8 @@ Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, 
 
 int run(const PlanRequest& options, Invocation& invocation) {
   run::Services services = services_of(invocation);
-  const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  const scene::Simulation simulation =
+      run::load_job(options.file, invocation.common.seed, services, invocation.common.set);
   const auto instruments = run::pick_instruments(simulation, options.instrument);
   const auto lidars = run::pick_lidars(simulation, options.instrument);
   const auto settings = render_options(invocation.common);
@@ -131,7 +132,7 @@ Verb verb_plan() {
       "-o FILE the plan "
       "is written as JSON, which `raycube render --plan FILE` replays.";
   verb.examples = {"raycube plan park.toml", "raycube plan park.toml --instrument wasp -o wasp_plan.json"};
-  verb.common = kOutput | kCompute;
+  verb.common = kOutput | kCompute | kSet;
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "The simulation file (TOML)", options->file);
     table.text("--instrument", "NAME", "Only this instrument or LIDAR", options->instrument);

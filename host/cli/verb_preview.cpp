@@ -39,7 +39,7 @@ int preview(const PreviewRequest& options, Invocation& invocation) {
   const std::string path = invocation.common.output.empty() ? "preview.png" : invocation.common.output;
   base::IfExists if_exists = cli::if_exists(invocation.common);
   base::OutputFile(path, if_exists);  // refuses before the work what its end would refuse
-  scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services, invocation.common.set);
   const scene::Instrument camera = camera_of(simulation, options.instrument, invocation.log);
   const auto start = std::chrono::steady_clock::now();
   render::Renderer renderer(simulation.scene, render_options(invocation.common));
@@ -80,7 +80,7 @@ Verb verb_preview() {
       "column is seen. Ctrl-C ends it; the last picture stays.";
   verb.examples = {"raycube preview park.toml",
                    "raycube preview park.toml --instrument spectir --samples 256 -o look.png"};
-  verb.common = kOutput | kCompute;
+  verb.common = kOutput | kCompute | kSet;
   verb.output_default = "preview.png";
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "The simulation file (TOML)", options->file);

@@ -79,7 +79,8 @@ class Rendering {
 
   int execute() {
     const auto start = std::chrono::steady_clock::now();
-    const scene::Simulation simulation = run::load_job(options_.file, invocation_.common.seed, services_);
+    const scene::Simulation simulation =
+        run::load_job(options_.file, invocation_.common.seed, services_, invocation_.common.set);
     load_s_ = base::seconds_since(start);
     const auto instruments = run::pick_instruments(simulation, options_.instrument);
     const auto lidars = run::pick_lidars(simulation, options_.instrument);
@@ -209,7 +210,7 @@ Verb verb_render() {
       "run.json holds every line of the plan.\n\nThe result on stdout is the path of each cube, one a line.";
   verb.examples = {"raycube render park.toml -o out",
                    "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
-  verb.common = kOutput | kDryRun | kCompute;
+  verb.common = kOutput | kDryRun | kCompute | kSet;
   verb.output_default = "out";
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "The simulation file (TOML)", options->file);

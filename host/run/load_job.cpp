@@ -9,10 +9,11 @@
 
 namespace raycube::run {
 
-scene::Simulation load_job(const std::string& file, std::optional<std::uint64_t> seed, Services& services) {
+scene::Simulation load_job(const std::string& file, std::optional<std::uint64_t> seed, Services& services,
+                           const std::vector<std::string>& overrides) {
   scene::LoadOptions options;
   options.seed = seed;
-  options.need_instruments = true;
+  options.need_instruments = true, options.overrides = overrides;
   services.log.set_status("loading " + file);
   scene::Simulation simulation = scene::load_simulation(file, options);
   services.log.set_status("");

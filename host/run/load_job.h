@@ -12,7 +12,9 @@
 namespace raycube::run {
 
 /// Loads the file; notices go to the log. `seed`: in place of the file's. Throws Error(input) with every problem found.
-scene::Simulation load_job(const std::string& file, std::optional<std::uint64_t> seed, Services& services);
+/// overrides: KEY=VALUE in place of what the file says.
+scene::Simulation load_job(const std::string& file, std::optional<std::uint64_t> seed, Services& services,
+                           const std::vector<std::string>& overrides = {});
 
 /// What its user should know of an instrument's light: a sun or moon that is down. load_job logs them.
 std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Instrument& instrument);

@@ -1,0 +1,211 @@
+#include "host/experiment/sweep_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/base/output_file.h"
+#include "host/experiment/sobol.h"
+
+namespace raycube::experiment {
+namespace {
+
+Names names_of(const Sweep& sweep, const std::vector<double>& point) {
+  Names out;
+  for (std::size_t i = 0; i < point.size(); ++i) out[sweep.parameters[i].name] = fmt::format("{}", point[i]);
+  return out;
+}
+
+std::string point_text(const Sweep& sweep, const std::vector<double>& point) {
+  std::string out;
+  for (const auto& [name, value] : names_of(sweep, point)) out += (out.empty() ? "" : ", ") + name + " = " + value;
+  return out;
+}
+
+double metric_of(const Metric& metric, const Names& folders, std::map<std::string, nlohmann::json>& files) {
+  const std::string path = with_names(metric.file, folders, metric.where);
+  const auto [file, fresh] = files.try_emplace(path);
+  if (fresh) {
+    std::ifstream in(path);
+    if (!in)
+      throw base::Error(base::Fault::input, metric.where + ": " + path + " is not there; is its step among the steps?");
+    file->second = nlohmann::json::parse(in, nullptr, false);
+  }
+  const nlohmann::json::json_pointer at(metric.at);
+  if (file->second.is_discarded() || !file->second.contains(at))
+    throw base::Error(base::Fault::input, metric.where + ": " + path + " has nothing at " + metric.at);
+  const nlohmann::json& found = file->second.at(at);
+  if (found.is_null()) return std::numeric_limits<double>::quiet_NaN();
+  if (!found.is_number())
+    throw base::Error(base::Fault::input, metric.where + ": " + path + " has no number at " + metric.at);
+  return found.get<double>() * metric.times;
+}
+
+/// All points by one command: a CSV of the parameters in, a CSV of the metrics out.
+std::vector<std::vector<double>> run_batch(const Sweep& sweep, const std::vector<std::vector<double>>& points,
+                                           KeptSteps& steps) {
+  Sweep bare = sweep;
+  bare.metrics.clear();
+  const std::string table = steps.folder() + "/points.csv";
+  base::write_output_file(table, sweep_csv(bare, points, std::vector<std::vector<double>>(points.size())),
+                          base::IfExists::replace);
+  StepPlan step = *sweep.batch;
+  // The points are what the step is made of: their text goes into its key by a word that no program sees.
+  std::ifstream in(table);
+  std::ostringstream text;
+  text << in.rdbuf();
+  Names names = {{"points", table}, {"points_text", text.str()}};
+  for (Command& command : step.commands)
+    for (std::string& word : command)
+      if (const std::size_t at = word.find("{results}"); at != std::string::npos)
+        word.replace(at, 9, "{folder}/results.csv");
+  step.inputs.push_back("{points}");
+  const KeptStep made = steps.make(step, names, true);
+  std::ifstream results(made.folder + "/results.csv");
+  std::vector<std::vector<double>> out;
+  std::string line;
+  std::vector<std::size_t> column;
+  if (std::getline(results, line)) {
+    std::vector<std::string> header;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');)
+      header.push_back(cell.substr(0, cell.find_last_not_of("\r ") + 1));
+    for (const Metric& metric : sweep.metrics) {
+      const auto found = std::find(header.begin(), header.end(), metric.name);
+      if (found == header.end())
+        throw base::Error(base::Fault::input,
+                          metric.where + ": " + made.folder + "/results.csv has no column " + metric.name);
+      column.push_back(static_cast<std::size_t>(found - header.begin()));
+    }
+  }
+  while (std::getline(results, line)) {
+    std::vector<std::string> row;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
+    auto& values = out.emplace_back();
+    for (std::size_t m = 0; m < column.size(); ++m)
+      values.push_back(column[m] < row.size() && !row[column[m]].empty()
+                           ? std::strtod(row[column[m]].c_str(), nullptr) * sweep.metrics[m].times
+                           : std::numeric_limits<double>::quiet_NaN());
+  }
+  if (out.size() != points.size())
+    throw base::Error(base::Fault::input,
+                      fmt::format("{}/results.csv has {} rows for {} points; a row is due for each, in their "
+                                  "order",
+                                  made.folder, out.size(), points.size()));
+  return out;
+}
+
+nlohmann::ordered_json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> points_of(const Sweep& sweep) {
+  std::vector<std::vector<double>> out;
+  std::vector<double> rest;
+  for (const Parameter& one : sweep.parameters) rest.push_back(one.rest);
+  if (sweep.method == SweepMethod::sobol) {
+    for (std::vector<double>& row : sobol_rows(sweep.base_points, static_cast<int>(sweep.parameters.size()))) {
+      for (std::size_t i = 0; i < row.size(); ++i) row[i] = sweep.parameters[i].at(row[i]);
+      out.push_back(std::move(row));
+    }
+  } else if (sweep.method == SweepMethod::one_at_a_time) {
+    out.push_back(rest);
+    for (std::size_t i = 0; i < sweep.parameters.size(); ++i)
+      for (const double value : sweep.parameters[i].values)
+        if (value != rest[i]) out.push_back(rest), out.back()[i] = value;
+  } else {
+    out.emplace_back();
+    for (const Parameter& one : sweep.parameters) {
+      std::vector<std::vector<double>> more;
+      for (const auto& point : out)
+        for (const double value : one.values) more.push_back(point), more.back().push_back(value);
+      out = std::move(more);
+    }
+  }
+  return out;
+}
+
+std::vector<std::vector<double>> run_points(const Sweep& sweep, const std::vector<std::vector<double>>& points,
+                                            KeptSteps& steps, const std::function<void()>& told) {
+  if (sweep.batch) return run_batch(sweep, points, steps);
+  std::vector<std::vector<double>> out;
+  for (const auto& point : points) {
+    const Names names = names_of(sweep, point);
+    try {
+      for (const StepPlan& step : sweep.steps) steps.make(step, names, true);
+      std::map<std::string, nlohmann::json> files;
+      auto& row = out.emplace_back();
+      Names folders = steps.folders();
+      folders.insert(names.begin(), names.end());
+      for (const Metric& metric : sweep.metrics) row.push_back(metric_of(metric, folders, files));
+    } catch (const base::Error& error) {
+      if (error.fault() == base::Fault::interrupted) throw;
+      throw base::Error(error.fault(), "at " + point_text(sweep, point) + ": " + error.what());
+    }
+    told();
+  }
+  return out;
+}
+
+std::string sweep_csv(const Sweep& sweep, const std::vector<std::vector<double>>& points,
+                      const std::vector<std::vector<double>>& metrics) {
+  std::string out;
+  for (const Parameter& one : sweep.parameters) out += (out.empty() ? "" : ",") + one.name;
+  for (const Metric& one : sweep.metrics) out += "," + one.name;
+  out += "\n";
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    std::string row;
+    for (const auto* values : {&points[p], &metrics[p]})
+      for (const double value : *values)
+        row += (row.empty() ? "" : ",") + (std::isfinite(value) ? fmt::format("{}", value) : std::string());
+    out += row + "\n";
+  }
+  return out;
+}
+
+nlohmann::ordered_json sweep_json(const Sweep& sweep, const std::vector<std::vector<double>>& points,
+                                  const std::vector<std::vector<double>>& metrics) {
+  static constexpr const char* kMethods[] = {"factorial", "one_at_a_time", "sobol"};
+  nlohmann::ordered_json out = {{"title", sweep.title}, {"method", kMethods[static_cast<int>(sweep.method)]}};
+  for (const Parameter& one : sweep.parameters)
+    out["parameters"].push_back({{"name", one.name}, {"rest", one.rest}, {"log", one.logarithmic}});
+  for (std::size_t m = 0; m < sweep.metrics.size(); ++m) {
+    nlohmann::ordered_json metric = {{"name", sweep.metrics[m].name}, {"unit", sweep.metrics[m].unit}};
+    std::vector<double> values;
+    for (const auto& row : metrics) values.push_back(row[m]);
+    for (const double value : values) metric["values"].push_back(number_or_null(value));
+    if (sweep.method == SweepMethod::sobol) {
+      const auto indices = sobol_indices(values, sweep.base_points, static_cast<int>(sweep.parameters.size()));
+      for (std::size_t i = 0; i < indices.size(); ++i)
+        metric["indices"].push_back(
+            {{"parameter", sweep.parameters[i].name},
+             {"first", number_or_null(indices[i].first)},
+             {"first_95", {number_or_null(indices[i].first_low), number_or_null(indices[i].first_high)}},
+             {"total", number_or_null(indices[i].total)},
+             {"total_95", {number_or_null(indices[i].total_low), number_or_null(indices[i].total_high)}}});
+    } else if (sweep.method == SweepMethod::one_at_a_time) {
+      std::size_t row = 1;
+      for (const Parameter& one : sweep.parameters) {
+        double low = values[0], high = values[0];
+        for (const double value : one.values)
+          if (value != one.rest) low = std::min(low, values[row]), high = std::max(high, values[row]), ++row;
+        metric["spans"].push_back(
+            {{"parameter", one.name}, {"low", number_or_null(low)}, {"high", number_or_null(high)}});
+      }
+    }
+    out["metrics"].push_back(metric);
+  }
+  out["points"] = points;
+  return out;
+}
+
+}  // namespace raycube::experiment
