@@ -17,7 +17,6 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SPECTRA = ROOT / "scenes/park/spectra"
 sys.path.insert(0, str(ROOT / "scenes/park"))
-from generator import bands as park_bands  # noqa: E402
 from generator import trees as park_trees  # noqa: E402
 
 GROUND = ("lawn_grass", "half_dry_grass", "dry_grass", "track_soil", "gravel", "asphalt", "leaf_litter", "loam")
@@ -288,7 +287,7 @@ def make(folder, pixels, trees):
         make_ground(folder, half_m + 16),
         make_trees(folder),
         plant(half_m, trees),
-        np.array(park_bands.spectir_360()),
+        np.loadtxt(ROOT / "scenes/sensors/spectir_360.csv", delimiter=",", comments="#", skiprows=3),
     )
     (folder / "bands.csv").write_text(
         "center_nm,fwhm_nm\n" + "".join(f"{c!r},{w!r}\n" for c, w in scene.bands_nm.tolist())

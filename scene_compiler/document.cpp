@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -169,15 +170,16 @@ class DocumentReader {
     if (!table) return;
     overrides_.apply(*table, "instrument." + record.values["name"].text);
     check_format(*table, file);
-    toml::table rest;
+    std::vector<std::string> said;  // by the instrument itself, which counts
     for (const auto& [key, node] : *table) {
-      const std::string_view name = key.str();
-      if (name == "sensor")
-        problems_.add(where_of(file, key.source()), "a sensor's file names no other", "", "remove it");
-      else if (name != "format" && !gives(record, name) && !stands_in(record, name))
-        node.visit([&](const auto& value) { rest.insert(key, value); });
+      const std::string name(key.str());
+      if (name == "sensor" || name == "name")
+        problems_.add(where_of(file, key.source()), "a sensor's file has no '" + name + "'", "", "remove it");
+      if (name == "format" || name == "sensor" || name == "name" || gives(record, name) || stands_in(record, name))
+        said.push_back(name);
     }
-    read_table(rest, file, record.path, record);
+    for (const std::string& name : said) table->erase(name);
+    read_table(*table, file, record.path, record);
   }
 
   /// Before defaults are filled in.
@@ -188,15 +190,23 @@ class DocumentReader {
 
   /// Whether the instrument says in another way what this key of a sensor's file says.
   static bool stands_in(const Record& record, std::string_view name) {
-    static const std::vector<std::vector<std::string_view>> alike = {{"gsd_m", "ifov_mrad", "focal_length_mm"},
-                                                                     {"altitude_agl_m", "position_m", "poses"},
-                                                                     {"psf", "focal_plane"},
-                                                                     {"quicklook_nm", "quicklook_bands"}};
-    for (const auto& ways : alike)
-      if (std::find(ways.begin(), ways.end(), name) != ways.end())
-        for (const auto way : ways)
-          if (gives(record, way)) return true;
-    return false;
+    static const std::map<std::string_view, std::vector<std::string_view>> instead = {
+        {"gsd_m", {"ifov_mrad", "focal_length_mm"}},
+        {"ifov_mrad", {"gsd_m", "focal_length_mm"}},
+        {"focal_length_mm", {"gsd_m", "ifov_mrad"}},
+        {"altitude_agl_m", {"position_m", "poses"}},
+        {"position_m", {"altitude_agl_m", "poses"}},
+        {"poses", {"altitude_agl_m", "position_m"}},
+        {"center_m", {"position_m", "poses"}},
+        {"line_spacing_m", {"poses"}},
+        {"psf", {"focal_plane"}},
+        {"focal_plane", {"psf"}},
+        {"oversampling", {"psf"}},
+        {"quicklook_nm", {"quicklook_bands"}},
+        {"quicklook_bands", {"quicklook_nm"}}};
+    const auto others = instead.find(name);
+    return others != instead.end() && std::any_of(others->second.begin(), others->second.end(),
+                                                  [&](std::string_view other) { return gives(record, other); });
   }
 
   void check_format(const toml::table& table, const File& file) {

@@ -13,7 +13,8 @@ namespace {
 
 using base::Problems;
 
-constexpr double kEven = 1e-6;  ///< of a grid's step, by which its points may be off
+constexpr double kMostSmile_nm = 100, kMostKeystone_px = 20;  ///< as the keys of the same names
+constexpr double kEven = 1e-6;                                ///< of a grid's step, by which its points may be off
 
 /// The columns of a file by name; each row's numbers. Reports what is missing.
 struct Columns {
@@ -94,8 +95,10 @@ SpreadTable read_spread(const Record& record, Problems& problems) {
     const Columns table = read_columns(record, "spread", {"x_px", "y_px", "psf"}, {}, problems);
     if (!table.csv || problems.lines().size() != before) return {};
     out.x_px = table.of.at("x_px"), out.y_px = table.of.at("y_px"), out.grid_value = table.of.at("psf");
-    if (!even(distinct(out.x_px)) || !even(distinct(out.y_px)))
-      problems.add(where, "x_px and y_px of a point spread must lie on a regular grid", "uneven steps",
+    const std::vector<double> columns = distinct(out.x_px), rows = distinct(out.y_px);
+    if (columns.size() < 2 || rows.size() < 2 || !even(columns) || !even(rows))
+      problems.add(where, "x_px and y_px of a point spread must lie on a regular grid of two rows and columns or more",
+                   std::to_string(columns.size()) + " x " + std::to_string(rows.size()) + " places",
                    "resample it, or give radius_px");
     on_grid(out.x_px, out.y_px, out.grid_value, where, problems);
     double sum = 0;
@@ -112,8 +115,13 @@ SpreadTable read_spread(const Record& record, Problems& problems) {
   out.radius_px = distinct(radius);
   for (const double one : distinct(at_nm)) out.wavelength_um.push_back(1e-3 * one);
   if (out.radius_px.front() < 0 || out.radius_px.size() < 2)
-    problems.add(where, "radius_px needs two radii or more, from 0 on", number_text(out.radius_px.front()),
+    problems.add(where, "radius_px needs two radii or more, none below 0", number_text(out.radius_px.front()),
                  "check the file");
+  if (out.radius_px.front() > 0) {  // within the first ring it is as on it
+    out.radius_px.insert(out.radius_px.begin(), 0.0);
+    for (auto& rings : out.value)
+      if (!rings.empty()) rings.insert(rings.begin(), rings.front());
+  }
   for (const auto& rings : out.value) {
     double sum = 0;
     for (std::size_t i = 0; i < rings.size(); ++i) sum += rings[i] * out.radius_px[i];
@@ -132,11 +140,34 @@ DistortionTable read_distortion(const Record& record, Problems& problems) {
   out.smile_um = on_grid(nm, sample, table.of.at("smile_nm"), record.place("distortion"), problems);
   out.keystone_px = on_grid(nm, sample, table.of.at("keystone_px"), record.place("distortion"), problems);
   if (problems.lines().size() != before) return {};
+  const auto within = [&](const std::vector<std::vector<double>>& rows, double most, const char* column) {
+    for (const auto& row : rows)
+      for (const double v : row)
+        if (std::abs(v) > most) {
+          problems.add(record.place("distortion"), std::string(column) + " is too large", number_text(v),
+                       "at most " + number_text(most) + " either way");
+          return;
+        }
+  };
+  within(out.smile_um, kMostSmile_nm, "smile_nm"), within(out.keystone_px, kMostKeystone_px, "keystone_px");
   for (auto& row : out.smile_um)
     for (double& v : row) v *= 1e-3;
   for (const double one : distinct(nm)) out.wavelength_um.push_back(1e-3 * one);
   out.sample = distinct(sample);
   return out;
+}
+
+/// Shifted centres must stay wavelengths.
+void check_smile(const Record& instrument, const Instrument& out, Problems& problems) {
+  for (const Band& band : out.bands) {
+    const FocalPlane& plane = out.focal_planes[out.plane_of(band.center_um)];
+    double least = std::min(0.0, plane.smile_um);
+    for (const auto& row : plane.distortion.smile_um)
+      least = std::min(least, *std::min_element(row.begin(), row.end()));
+    if (least < 0 && band.center_um + least <= 2 * band.fwhm_um)
+      problems.add(instrument.place("focal_plane"), "smile moves a band to within twice its width of 0",
+                   number_text(1e3 * band.center_um) + " nm by " + number_text(1e3 * least) + " nm", "lower smile_nm");
+  }
 }
 
 std::array<double, 2> pair_of(const Record& record, const char* key) {
@@ -178,21 +209,24 @@ FocalPlane read_plane(const Record& record, double pitch_um, Problems& problems)
   return out;
 }
 
-bool sees(const FocalPlane& plane, const Band& band) {
-  return band.center_um >= plane.first_um && band.center_um <= plane.last_um;
-}
-
-/// Reports bands that no plane sees, or two.
+/// Reports bands that no plane sees, or two, and planes that see none.
 void check_bands_seen(const Record& instrument, const Instrument& out, Problems& problems) {
+  std::vector<int> seen(out.focal_planes.size(), 0);
   for (const Band& band : out.bands) {
-    const auto count = std::count_if(out.focal_planes.begin(), out.focal_planes.end(),
-                                     [&](const FocalPlane& plane) { return sees(plane, band); });
+    int count = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      if (band.center_um >= out.focal_planes[i].first_um && band.center_um < out.focal_planes[i].last_um)
+        ++count, ++seen[i];
     if (count == 1) continue;
     problems.add(instrument.place("focal_plane"), "every band must lie in one focal plane",
                  "the one at " + number_text(1e3 * band.center_um) + " nm lies in " + std::to_string(count),
-                 "set first_nm and last_nm of each");
+                 "set first_nm and last_nm of each; a band at last_nm lies beyond it");
     return;
   }
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i] == 0 && !out.bands.empty())
+      problems.add(instrument.records("focal_plane")[i].where, "a focal plane sees no band",
+                   "'" + out.focal_planes[i].name + "'", "correct first_nm and last_nm, or remove it");
 }
 
 }  // namespace
@@ -213,7 +247,9 @@ void read_focal_planes(const Record& instrument, Instrument& out, Problems& prob
     out.focal_planes.push_back(read_plane(record, pitch_um, problems));
     if (out.focal_planes.back().name.empty()) out.focal_planes.back().name = std::to_string(out.focal_planes.size());
   }
+  const std::size_t before = problems.lines().size();
   check_bands_seen(instrument, out, problems);
+  if (problems.lines().size() == before) check_smile(instrument, out, problems);
   const auto refuse = [&](bool given, const char* key, const char* why) {
     if (given) problems.add(instrument.place(key), std::string("'") + key + "' " + why, "", "remove it");
   };
@@ -221,6 +257,8 @@ void read_focal_planes(const Record& instrument, Instrument& out, Problems& prob
   refuse(out.standard_error != StandardError::off, "standard_error", "is not known of pixels that share their samples");
   const bool smiles = std::any_of(out.focal_planes.begin(), out.focal_planes.end(),
                                   [](const FocalPlane& plane) { return plane.smiles(); });
+  refuse(out.motion != PoseMotion::held, "motion",
+         "means nothing with focal planes: their smear_px says how far it goes");
   refuse(smiles && !out.band_truth.empty(), "band_truth", "is not told of bands that smile");
   if (out.kind != InstrumentKind::framing && out.lines < 2)
     problems.add(instrument.place("lines"), "a scanner with focal planes needs two lines or more",

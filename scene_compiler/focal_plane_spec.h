@@ -3,6 +3,7 @@
 // ifov_across_rad, along the flight its ifov_along_rad.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
@@ -29,7 +30,7 @@ struct DistortionTable {
 
 struct FocalPlane {
   std::string name;
-  double first_um = 0, last_um = 1e300;  ///< bands whose centres lie there
+  double first_um = 0, last_um = 1e300;  ///< bands whose centres lie from the one to below the other
   std::array<double, 2> sigma_px{0, 0};  ///< Gaussian of the optics: across, along
   double f_number = 0, pitch_um = 0;     ///< diffraction; 0: none
   double obscuration = 0;                ///< of the aperture's diameter
@@ -42,7 +43,12 @@ struct FocalPlane {
 
   /// Whether all its bands see alike.
   bool grey() const { return f_number == 0 && spread.wavelength_um.size() < 2; }
-  bool smiles() const { return smile_um != 0 || !distortion.smile_um.empty(); }
+  bool smiles() const {
+    const auto any = [](const std::vector<double>& row) {
+      return std::any_of(row.begin(), row.end(), [](double v) { return v != 0; });
+    };
+    return smile_um != 0 || std::any_of(distortion.smile_um.begin(), distortion.smile_um.end(), any);
+  }
 };
 
 }  // namespace raycube::scene

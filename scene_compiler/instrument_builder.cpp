@@ -148,7 +148,10 @@ void choose_quicklook(const Record& record, Instrument& out, Problems& problems)
 
 /// Pixel pitch over focal length. agl_m <= 0: height above ground is not known.
 double read_ifov_rad(const Record& record, double agl_m, Problems& problems) {
-  const bool optics = record.given("focal_length_mm") || record.given("pitch_um");
+  // A pitch beside another scale is for the focal planes' diffraction.
+  const bool planes = !record.records("focal_plane").empty();
+  const bool optics = record.given("focal_length_mm") ||
+                      (record.given("pitch_um") && !(planes && count_given(record, {"gsd_m", "ifov_mrad"}) == 1));
   const int ways = count_given(record, {"gsd_m", "ifov_mrad"}) + int(optics);
   if (ways != 1) {
     problems.add(record.where, "instrument needs exactly one of gsd_m, ifov_mrad, focal_length_mm with pitch_um",
@@ -172,22 +175,6 @@ double read_ifov_rad(const Record& record, double agl_m, Problems& problems) {
 /// Height above the terrain, or above z = 0 off it.
 double agl_of(const Pose& pose, const SceneParts& parts) {
   return pose.z_m - parts.terrain_height_m(pose.x_m, pose.y_m).value_or(0.0);
-}
-
-/// Of a scanner, on the ground: a pixel's length over the lines' spacing.
-double lines_of_pixel(const Instrument& instrument, double spacing_m, double agl_m) {
-  if (instrument.kind == InstrumentKind::framing || !(spacing_m > 0) || !(agl_m > 0)) return 1;
-  return instrument.ifov_along_rad * agl_m / spacing_m;
-}
-
-/// Way of the platform from one line to the next, on average.
-double mean_spacing_m(const std::vector<Pose>& poses, int lines) {
-  if (lines < 2) return 0;
-  const std::size_t per_line = poses.size() / static_cast<std::size_t>(lines);
-  double way_m = 0;
-  for (std::size_t i = per_line; i < poses.size(); i += per_line)
-    way_m += std::hypot(poses[i].x_m - poses[i - per_line].x_m, poses[i].y_m - poses[i - per_line].y_m);
-  return way_m / (lines - 1);
 }
 
 void read_geometry(const Record& record, const SceneParts& parts, Instrument& out, Problems& problems) {
@@ -231,7 +218,6 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
       problems.add(record.where, "line spacing needs the instrument above the ground",
                    number_text(agl_m) + " m above it", "raise it, or give line_spacing_m");
     out.poses = straight_flight(out.kind, out.lines, out.pixels, middle, spacing);
-    out.lines_of_pixel = lines_of_pixel(out, spacing, agl_m);
     return;
   }
   const auto lines = static_cast<std::size_t>(out.lines), pixels = static_cast<std::size_t>(out.pixels);
@@ -243,7 +229,6 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
                  std::to_string(given.size()) + " poses, " + std::to_string(lines) + " lines of " +
                      std::to_string(pixels) + " pixels",
                  "framing: 1; pushbroom: one per line; whiskbroom: one per line or per pixel");
-  if (per_line || per_pixel) out.lines_of_pixel = lines_of_pixel(out, mean_spacing_m(given, out.lines), agl_m);
   out.poses = per_line && !per_pixel && out.kind == InstrumentKind::whiskbroom ? poses_per_pixel(given, out.pixels)
                                                                                : std::move(given);
 }

@@ -75,13 +75,14 @@ struct Instrument {
   std::vector<FocalPlane> focal_planes;  ///< empty: every band is the mean of the pixel's own samples
   /// Number of the focal plane that sees a band of this centre; as many as there are: none.
   std::size_t plane_of(double center_um) const {
-    const auto sees = [=](const FocalPlane& p) { return center_um >= p.first_um && center_um <= p.last_um; };
+    const auto sees = [=](const FocalPlane& p) { return center_um >= p.first_um && center_um < p.last_um; };
     return static_cast<std::size_t>(std::find_if(focal_planes.begin(), focal_planes.end(), sees) -
                                     focal_planes.begin());
   }
-  int oversampling = 0;       ///< cells along a pixel of those; 0: as their point spreads ask for
-  double lines_of_pixel = 1;  ///< along the flight; a scanner whose lines lie closer than its pixels: > 1
-  int cells_along = 1;        ///< of the pixel that this instrument's pixels are cells of (host/sensors/cells.h)
+  int oversampling = 0;  ///< cells along a pixel of those; 0: as their point spreads ask for
+  /// Of an instrument whose pixels are cells of another's (host/sensors/cells.h): what their draws err by, of that, is
+  /// left in the pixels.
+  double share_of_draws = 1;
   std::optional<DetectorSpec> detector;
   std::vector<Band> bands;
   std::vector<int> quicklook_bands;  ///< 0-based, red green blue (three) or grey (one)

@@ -10,7 +10,7 @@ namespace raycube::cli {
 
 nlohmann::json dry_run_json(const run::CameraJob& job, const run::CameraForecast& forecast,
                             std::optional<double> estimated_s) {
-  const auto& instrument = *job.instrument;
+  const auto& instrument = job.image();
   nlohmann::json item = {{"name", instrument.name},
                          {"pixels", instrument.pixels},
                          {"lines", instrument.lines},
@@ -61,7 +61,7 @@ std::string adjacency_text(const plan::Plan& plan) {
 
 std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& forecast,
                          std::optional<double> estimated_s) {
-  const auto& instrument = *job.instrument;
+  const auto& instrument = job.image();
   const plan::Plan& plan = job.plan;
   return fmt::format(
              "{}: {} x {} pixels, {} bands, {} samples per pixel\n"

@@ -83,7 +83,7 @@ scene::Instrument first_launched(const scene::Simulation& simulation, const scen
   scene::Instrument few = instrument;
   if (!few.samples_given)
     give_samples(few, may_replicate(simulation, few, plan)
-                          ? first_size(few, plan, few.cells_along * simulation.tolerance).samples
+                          ? first_size(few, plan, simulation.tolerance / few.share_of_draws).samples
                           : sample_pattern(few).look);
   few.first_samples = 0, few.small_objects = scene::SmallObjects::off, few.standard_error = scene::StandardError::off;
   return few;

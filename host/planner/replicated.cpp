@@ -164,7 +164,7 @@ class Doubling {
 Replicates render_replicates(render::Renderer& renderer, const scene::Simulation& simulation,
                              const scene::Instrument& instrument, const plan::Plan& plan, double budget) {
   Replicates out;
-  out.size = first_size(instrument, plan, instrument.cells_along * simulation.tolerance);
+  out.size = first_size(instrument, plan, simulation.tolerance / instrument.share_of_draws);
   auto doubling = std::make_unique<Doubling>(renderer, simulation, instrument, plan, out.size);
   for (bool fitted = false;;) {
     out.error = of_pixels(doubling->next(), instrument);

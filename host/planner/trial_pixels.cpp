@@ -152,10 +152,10 @@ std::vector<double> judged_means(std::vector<double> mean, double pixels) {
 }
 
 TrialError of_pixels(TrialError error, const scene::Instrument& instrument) {
-  const double cells = instrument.cells_along;
-  error.estimate /= cells, error.bound /= cells;
+  const double share = instrument.share_of_draws;
+  error.estimate *= share, error.bound *= share;
   for (auto* values : {&error.bands.estimate, &error.bands.bound})
-    for (double& value : *values) value /= cells;
+    for (double& value : *values) value *= share;
   return error;
 }
 

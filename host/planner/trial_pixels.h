@@ -61,8 +61,8 @@ struct TrialError {
   BandErrors bands = {};  ///< the same of each band; empty: not told
 };
 
-/// Of pixels, from what cells of theirs err (host/sensors/cells.h): their draws are their own, and a pixel is the mean
-/// of cells_along^2 or, blurred, of more.
+/// Of pixels, from what cells of theirs err (host/sensors/cells.h): their draws are their own, and of a pixel's weights
+/// the root of the sum of the squares counts, the largest of all bands'.
 TrialError of_pixels(TrialError error, const scene::Instrument& instrument);
 
 /// Mean radiance of each band, held against 1e-4 of the largest.

@@ -30,17 +30,18 @@ CameraForecast forecast_camera(const scene::CompiledScene& scene, const CameraJo
   const std::uint64_t strip_bytes =
       4 * std::uint64_t(size.lines) * instrument.pixels * least.strip_values * sizeof(float);
   const std::uint64_t scene_bytes = scene::scene_info(scene).bytes;
-  const std::uint64_t pixels = std::uint64_t(instrument.pixels) * instrument.lines;
+  const auto& image = job.image();
+  const std::uint64_t pixels = std::uint64_t(image.pixels) * image.lines;
   CameraForecast forecast;
   forecast.samples = shape.samples;
   forecast.tile_lines = size.lines, forecast.tile_columns = size.columns;
   forecast.budget_bytes = options.memory_bytes;
   forecast.scene_bytes = scene_bytes, forecast.tile_bytes = tile_bytes, forecast.strip_bytes = strip_bytes;
   forecast.baked_rows_bytes = options.memory_bytes / render::kBudgetShares;
-  forecast.cube_bytes = pixels * instrument.bands.size() * (instrument.integer_scale ? 2 : sizeof(float));
+  forecast.cube_bytes = pixels * image.bands.size() * (image.integer_scale ? 2 : sizeof(float));
   forecast.truth_bytes = pixels * layers * sizeof(float);
   const std::size_t cubes = plan->truth.size() + (instrument.asks_for(scene::BandTruth::transmission) ? 1 : 0);
-  forecast.truth_bytes += pixels * cubes * instrument.bands.size() * sizeof(float);
+  forecast.truth_bytes += pixels * cubes * image.bands.size() * sizeof(float);
   return forecast;
 }
 

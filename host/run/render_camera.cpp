@@ -74,7 +74,7 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.samples = job.image().pixels;
   record.lines = job.image().lines;
   record.bands = static_cast<std::int64_t>(job.image().bands.size());
-  record.samples_per_pixel = instrument.all_samples() * instrument.cells_along * instrument.cells_along;
+  record.samples_per_pixel = instrument.all_samples() * (job.cells ? job.cells->own_count() : 1);
   record.stage_s = {
       {"load", destination.load_s}, {"atmosphere", job.table_s}, {"kernels", job.kernels_s}, {"plan", job.plan_s}};
   for (const auto& stage : statistics.stage_s) record.stage_s.push_back(stage);
@@ -148,7 +148,8 @@ void add_warning(const std::string& text, products::RunRecord& record, Services&
 
 /// The image into its products, strip by strip.
 render::RenderStatistics render_into(CubeProducts& output, const scene::Simulation& simulation, const CameraJob& job,
-                                     const plan::Plan& plan, render::Renderer& renderer, const Services& services) {
+                                     const plan::Plan& plan, render::Renderer& renderer, const Services& services,
+                                     std::vector<std::string>& warnings) {
   const auto& instrument = *job.instrument;
   std::optional<SpreadImage> spread;
   if (job.cells)
@@ -163,7 +164,9 @@ render::RenderStatistics render_into(CubeProducts& output, const scene::Simulati
         reported = done;
       },
       job.decision.image.get());
-  if (spread) spread->finish();
+  if (!spread) return statistics;
+  spread->finish();
+  if (const auto beyond = spread->warning()) services.log.warning(*beyond), warnings.push_back(*beyond);
   return statistics;
 }
 
@@ -179,7 +182,8 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   renderer.tile_size(instrument, *plan, renderer.tuning().tile_samples);
   say_what_it_takes(job, services);
   CubeProducts output(destination.folder, destination.if_exists, simulation, job);
-  const auto statistics = render_into(output, simulation, job, *plan, renderer, services);
+  std::vector<std::string> warnings;
+  const auto statistics = render_into(output, simulation, job, *plan, renderer, services, warnings);
   output.complete();
   Took took{base::seconds_since(start), base::processor_seconds() - processor_before_s};
   if (job.decision.image)  // which the planner rendered
@@ -187,6 +191,7 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
 
   products::RunRecord record =
       record_of(simulation, job, renderer, options, destination, statistics, took, services.threads);
+  record.warnings.insert(record.warnings.end(), warnings.begin(), warnings.end());
   add_adaptive(instrument, statistics, record, services);
   if (const auto bright = output.warning()) add_warning(*bright, record, services);
   add_small_objects(job, statistics, record, services);

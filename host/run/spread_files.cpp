@@ -18,7 +18,8 @@ void write_mtf(const sensors::Cells& cells, base::OutputFile& file) {
   products::CsvWriter table(file, {"band", "wavelength_nm", "focal_plane", "cycles_per_pixel", "mtf_across",
                                    "mtf_along", "asked_across", "asked_along"});
   std::vector<sensors::OpticalTransfer> optics;
-  for (const scene::FocalPlane& plane : cells.seen.focal_planes) optics.emplace_back(plane, 1.0);
+  for (const scene::FocalPlane& plane : cells.seen.focal_planes)
+    optics.emplace_back(plane, std::max(1.0, cells.grid.lines_of_pixel));
   for (std::size_t b = 0; b < cells.seen.bands.size(); ++b) {
     const double um = cells.seen.bands[b].center_um;
     const std::size_t plane = cells.seen.plane_of(um);
@@ -81,7 +82,7 @@ std::string spread_json(const sensors::Cells& cells) {
   std::size_t most_terms = 0;
   for (const auto& kernel : cells.kernels)
     worst = std::max(worst, kernel.mtf_error), most_terms = std::max(most_terms, kernel.terms.size());
-  return nlohmann::json{{"cells_per_pixel", cells.grid.cells},
+  return nlohmann::json{{"cells_of_pixel_and_line", cells.grid.cells},
                         {"margin_px", cells.margin_px},
                         {"lines_of_pixel", cells.grid.lines_of_pixel},
                         {"mtf_error", worst},

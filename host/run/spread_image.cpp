@@ -60,13 +60,13 @@ void SpreadImage::fill(Weights& weights, const std::vector<sensors::Taps>& terms
 }
 
 void SpreadImage::size_weights() {
-  half_ = {cells_.grid.cells / 2, cells_.grid.cells / 2};
+  half_ = cells_.own();
   for (const sensors::BandOfCells& band : cells_.bands) {
     const sensors::SpreadKernel& kernel = cells_.kernels[band.kernel];
     terms_ = std::max(terms_, static_cast<int>(kernel.terms.size()));
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double off =
-          std::abs(band.offset_cells[axis]) + (axis == 0 ? cells_.most_keystone_px * cells_.grid.cells : 0);
+          std::abs(band.offset_cells[axis]) + (axis == 0 ? cells_.most_keystone_px * cells_.grid.cells[0] : 0);
       const int reach = off == 0 ? 0 : static_cast<int>(std::ceil(off)) + sensors::kShiftReach;
       half_[axis] = std::max(half_[axis], kernel.half[axis] + reach);
     }
@@ -83,7 +83,7 @@ SpreadImage::Weights SpreadImage::weights_of(int axis, int pixel) const {
   for (std::size_t b = 0; b < cells_.bands.size(); ++b) {
     const sensors::BandOfCells& band = cells_.bands[b];
     const double cells =
-        band.offset_cells[at] + (axis == 0 ? sensors::keystone_px(cells_.seen, b, pixel) * cells_.grid.cells : 0);
+        band.offset_cells[at] + (axis == 0 ? sensors::keystone_px(cells_.seen, b, pixel) * cells_.grid.cells[0] : 0);
     const int longer = cells == 0 ? 0 : static_cast<int>(std::ceil(std::abs(cells))) + sensors::kShiftReach;
     terms.clear();
     for (const auto& term : cells_.kernels[band.kernel].terms) {
@@ -92,8 +92,8 @@ SpreadImage::Weights SpreadImage::weights_of(int axis, int pixel) const {
     }
     fill(out, terms, columns_of_[b]);
   }
-  const int q = cells_.grid.cells;
-  terms = {sensors::Taps(static_cast<std::size_t>(q), axis == 0 ? 1.0 : 1.0 / (q * q))};
+  const auto own = static_cast<std::size_t>(2 * cells_.own()[at] + 1);
+  terms = {sensors::Taps(own, 1.0 / static_cast<double>(own))};
   fill(out, terms, columns_of_.back());
   return out;
 }
@@ -119,22 +119,20 @@ void SpreadImage::add(const render::Strip& strip) {
   if (lines > 0) take(next_cell_, lines);
 }
 
-int SpreadImage::last_cell_of(int pixel_line) const {
-  return cells_.middle(1, pixel_line) + std::max(along_.half, cells_.grid.cells / 2);
-}
+int SpreadImage::last_cell_of(int pixel_line) const { return cells_.middle(1, pixel_line) + along_.half; }
 
 /// The next lines of cells into the sums of all pixels that see them; lines of pixels that are whole go out.
 void SpreadImage::take(int first_line, int lines) {
   const auto pixels = static_cast<std::size_t>(cells_.seen.pixels);
-  const int end = first_line + lines, q = cells_.grid.cells;
-  for (int i = next_pixel_; i < cells_.seen.lines && cells_.middle(1, i) - std::max(along_.half, q / 2) < end; ++i) {
+  const int end = first_line + lines;
+  for (int i = next_pixel_; i < cells_.seen.lines && cells_.middle(1, i) - along_.half < end; ++i) {
     PixelLine& line = open_[i];
     if (!line.sums.empty()) continue;
     line.sums.assign(pixels * columns_, 0.0f);
     line.truth.assign(pixels * layers_, 0.0), line.middle.assign(pixels * layers_, 0.0f);
   }
   base::for_each_index(pixels, threads_, [&](std::size_t j) { take_pixel(static_cast<int>(j), first_line, lines); });
-  for (int l = first_line; l < end; ++l) waiting_.erase(l);
+  for (int l = first_line; l < end; ++l) count_missed(l, waiting_.at(l)), waiting_.erase(l);
   next_cell_ = end;
   while (next_pixel_ < cells_.seen.lines && last_cell_of(next_pixel_) < end) {
     send(next_pixel_, open_.at(next_pixel_));
@@ -177,15 +175,39 @@ void SpreadImage::take_pixel(int pixel, int first_line, int lines) {
 
 /// The truth of a pixel is that of its own cells, where it should look.
 void SpreadImage::take_truth(int pixel, int line, const CellLine& cells) {
-  const int q = cells_.grid.cells, i = line / q - cells_.margin_px[1];
-  if (line / q < cells_.margin_px[1] || i >= cells_.seen.lines) return;
-  PixelLine& to = open_.at(i);
+  const std::array<int, 2> own = cells_.own();
   const auto at = static_cast<std::size_t>(pixel) * layers_;
-  for (int k = -(q / 2); k <= q / 2; ++k) {
-    const float* from = cells.truth.data() + static_cast<std::size_t>(cells_.middle(0, pixel) + k) * layers_;
-    render::add_truth(from, shares_, to.truth.data() + at);
-    if (k == 0 && line == cells_.middle(1, i)) std::copy_n(from, layers_, to.middle.data() + at);
+  for (auto& [i, to] : open_) {
+    const int from_middle = line - cells_.middle(1, i);
+    if (std::abs(from_middle) > own[1]) continue;
+    for (int k = -own[0]; k <= own[0]; ++k) {
+      const float* from = cells.truth.data() + static_cast<std::size_t>(cells_.middle(0, pixel) + k) * layers_;
+      render::add_truth(from, shares_, to.truth.data() + at);
+      if (k == 0 && from_middle == 0) std::copy_n(from, layers_, to.middle.data() + at);
+    }
   }
+}
+
+/// Around the image cells that met nothing are dark in its pixels.
+void SpreadImage::count_missed(int line, const CellLine& cells) {
+  const bool outside_line = line < cells_.margin_px[1] * cells_.grid.cells[1] ||
+                            line >= (cells_.margin_px[1] + cells_.seen.lines) * cells_.grid.cells[1];
+  const int first = cells_.margin_px[0] * cells_.grid.cells[0],
+            end = (cells_.margin_px[0] + cells_.seen.pixels) * cells_.grid.cells[0];
+  for (int c = 0; c < cells_.rendered.pixels; ++c) {
+    if (!outside_line && c >= first && c < end) continue;
+    missed_ += 1 - double{cells.truth[static_cast<std::size_t>(c) * layers_ + render::truth::hit_fraction]};
+    ++around_;
+  }
+}
+
+std::optional<std::string> SpreadImage::warning() const {
+  if (missed_ <= 1e-6 * static_cast<double>(around_)) return std::nullopt;
+  return fmt::format(
+      "{}: {:.3g} % of what lies around the image, {} pixels wide across and {} lines along, met nothing, and is dark "
+      "in "
+      "what its point spreads mix into the pixels at its edges; widen the scene",
+      cells_.seen.name, 100 * missed_ / static_cast<double>(around_), cells_.margin_px[0], cells_.margin_px[1]);
 }
 
 void SpreadImage::send(int pixel_line, const PixelLine& line) {
@@ -206,7 +228,7 @@ void SpreadImage::send(int pixel_line, const PixelLine& line) {
     }
     if (!smiles) std::copy_n(from, bands, to);
     std::copy_n(from + of_cells, columns_ - of_cells, to + bands);
-    render::mean_truth(line.truth.data() + j * layers_, cells_.grid.cells * cells_.grid.cells, materials_, shares_,
+    render::mean_truth(line.truth.data() + j * layers_, cells_.own_count(), materials_, shares_,
                        truth.data() + j * layers_);
     render::copy_angles_of_view(line.middle.data() + j * layers_, truth.data() + j * layers_);
   }

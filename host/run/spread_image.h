@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "host/render/truth.h"
@@ -23,6 +25,8 @@ class SpreadImage {
   void add(const render::Strip& cells);
   /// Throws Error(bug) where the image is not whole.
   void finish() const;
+  /// Of an image that is whole: what around it met nothing.
+  std::optional<std::string> warning() const;
 
  private:
   /// A line of cells that is not whole, or waits.
@@ -55,6 +59,7 @@ class SpreadImage {
   void take(int first_line, int lines);
   void take_pixel(int pixel, int first_line, int lines);
   void take_truth(int pixel, int line, const CellLine& cells);
+  void count_missed(int line, const CellLine& cells);
   int last_cell_of(int pixel_line) const;
   void send(int pixel_line, const PixelLine& line);
 
@@ -75,6 +80,8 @@ class SpreadImage {
   std::map<int, CellLine> waiting_;
   std::map<int, PixelLine> open_;
   int next_cell_ = 0, next_pixel_ = 0;
+  double missed_ = 0;  ///< cells around the image, by what of them met nothing
+  std::uint64_t around_ = 0;
 };
 
 }  // namespace raycube::run

@@ -3,11 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
 #include "host/base/attitude.h"
+#include "host/base/error.h"
 #include "host/base/parallel.h"
+#include "host/sensors/camera_frame.h"
 
 namespace raycube::sensors {
 namespace {
+
+constexpr double kMostLines = 5, kUneven = 1.1;
+constexpr double kAsGoodAsOne = 1e-6;  ///< rounding of a line spacing that is the pixel's length
+constexpr double kMostCells = 1e8;     ///< a fifth of them where each has a pose of its own
+constexpr double kAlmost = 0.3;        ///< cells that a line may be short of
 
 using scene::FocalPlane;
 using scene::Instrument;
@@ -59,13 +69,47 @@ std::pair<std::size_t, double> piece_of(double at, std::size_t poses) {
   return {static_cast<std::size_t>(from), at - from};
 }
 
+/// Of a scanner, on the level ground below it: a pixel's length over the way to the next line. 1 of a framing camera.
+double lines_of_pixel(const Instrument& seen) {
+  if (seen.kind == InstrumentKind::framing) return 1;
+  const std::size_t per_line = seen.kind == InstrumentKind::pushbroom ? 1 : static_cast<std::size_t>(seen.pixels);
+  const auto middle = [&](int line) { return seen.poses[static_cast<std::size_t>(line) * per_line + per_line / 2]; };
+  const double ground_m = seen.nominal_agl_m > 0 ? middle(seen.lines / 2).z_m - seen.nominal_agl_m : 0;
+  const auto meets = [&](int line, double pixels) {
+    const CameraFrame frame = frame_of(middle(line));
+    const glm::dvec3 way = frame.boresight + pixels * seen.ifov_along_rad * frame.forward;
+    return frame.origin_m + way * ((ground_m - frame.origin_m.z) / way.z);
+  };
+  std::vector<double> ratio;
+  for (int line = 0; line + 1 < seen.lines; ++line) {
+    const double step_m = glm::length(meets(line + 1, 0) - meets(line, 0));
+    ratio.push_back(glm::length(meets(line, 0.5) - meets(line, -0.5)) / step_m);
+  }
+  std::sort(ratio.begin(), ratio.end());
+  const double least = ratio.front(), most = ratio.back(), half = ratio[ratio.size() / 2];
+  if (!(most <= kMostLines && least >= 1 / kMostLines && most <= kUneven * least))
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("instrument '{}': its lines lie {:.4g} to {:.4g} pixels apart on the ground; with "
+                    "focal planes they must lie evenly, within a tenth, and 0.2 to 5 pixels apart: change "
+                    "line_spacing_m or poses, or take psf in place of focal_plane",
+                    seen.name, 1 / most, 1 / least));
+  return std::abs(half - 1) < kAsGoodAsOne ? 1 : half;
+}
+
+/// Odd, and as many to a pixel as lie across it, or a little fewer.
+int cells_of_line(int across, double lines_of_pixel_along) {
+  const int least = static_cast<int>(std::ceil(across / lines_of_pixel_along - kAlmost));
+  return std::max(1, least % 2 ? least : least + 1);
+}
+
 /// Poses of the cells: of each of their lines, or of each cell.
 std::vector<scene::Pose> cell_poses(const Cells& cells) {
   const Instrument& seen = cells.seen;
   if (seen.kind == InstrumentKind::framing) return seen.poses;
   const auto lines = static_cast<std::size_t>(seen.lines), pixels = static_cast<std::size_t>(seen.pixels);
-  const auto place = [&](int axis, int cell) {
-    return (cell + 0.5) / cells.grid.cells - 0.5 - cells.margin_px[static_cast<std::size_t>(axis)];
+  const auto place = [&](std::size_t axis, int cell) {
+    return (cell + 0.5) / cells.grid.cells[axis] - 0.5 - cells.margin_px[axis];
   };
   std::vector<scene::Pose> out;
   for (int line = 0; line < cells.rendered.lines; ++line) {
@@ -134,13 +178,15 @@ void make_kernels(Cells& cells, const std::vector<OpticalTransfer>& optics, int 
     if (!grey || of_plane[plane] == SIZE_MAX) of_plane[plane] = made_for.size(), made_for.push_back(b);
     cells.bands[b].kernel = of_plane[plane];
     const auto& offset = seen.focal_planes[plane].offset_px;
-    cells.bands[b].offset_cells = {offset[0] * cells.grid.cells,
-                                   offset[1] * cells.grid.lines_of_pixel * cells.grid.cells};
+    cells.bands[b].offset_cells = {offset[0] * cells.grid.cells[0],
+                                   offset[1] * cells.grid.lines_of_pixel * cells.grid.cells[1]};
   }
   cells.kernels.resize(made_for.size());
   base::for_each_index(made_for.size(), threads, [&](std::size_t i) {
     const std::size_t b = made_for[i];
-    cells.kernels[i] = make_kernel(optics[seen.plane_of(seen.bands[b].center_um)], seen.bands[b].center_um, cells.grid);
+    const std::size_t plane = seen.plane_of(seen.bands[b].center_um);
+    cells.kernels[i] = make_kernel(optics[plane], seen.bands[b].center_um, cells.grid,
+                                   seen.name + ", focal plane '" + seen.focal_planes[plane].name + "'");
   });
 }
 
@@ -154,8 +200,8 @@ void settle_margin(Cells& cells) {
     double far = 0;
     for (const BandOfCells& band : cells.bands)
       far = std::max(far, cells.kernels[band.kernel].half[axis] + std::abs(band.offset_cells[axis]));
-    far += kShiftReach + 1 + (axis == 0 ? cells.most_keystone_px * cells.grid.cells : 0);
-    cells.margin_px[axis] = static_cast<int>(std::ceil(far / cells.grid.cells));
+    far += kShiftReach + 1 + (axis == 0 ? cells.most_keystone_px * cells.grid.cells[0] : 0);
+    cells.margin_px[axis] = static_cast<int>(std::ceil(far / cells.grid.cells[axis]));
   }
 }
 
@@ -195,27 +241,37 @@ std::shared_ptr<const Cells> make_cells(const Instrument& instrument, int thread
   if (instrument.focal_planes.empty()) return nullptr;
   auto cells = std::make_shared<Cells>();
   cells->seen = cells->rendered = instrument;
-  cells->grid.lines_of_pixel = instrument.lines_of_pixel,
-  cells->grid.moving = instrument.motion == scene::PoseMotion::moving;
+  cells->grid.lines_of_pixel = lines_of_pixel(instrument);
   std::vector<OpticalTransfer> optics;
-  for (const FocalPlane& plane : cells->seen.focal_planes) optics.emplace_back(plane, 15.0);
-  cells->grid.cells = instrument.oversampling;
+  const double highest = std::max(9, instrument.oversampling) * std::max(1.0, cells->grid.lines_of_pixel);
+  for (const FocalPlane& plane : cells->seen.focal_planes) optics.emplace_back(plane, highest);
+  int q = instrument.oversampling;
   for (std::size_t b = 0; instrument.oversampling == 0 && b < instrument.bands.size(); ++b)
-    cells->grid.cells = std::max(
-        cells->grid.cells, enough_cells(optics[instrument.plane_of(instrument.bands[b].center_um)],
-                                        instrument.bands[b].center_um, instrument.lines_of_pixel, cells->grid.moving));
+    q = std::max(
+        q, enough_cells(optics[instrument.plane_of(instrument.bands[b].center_um)], instrument.bands[b].center_um));
+  cells->grid.cells = {q, cells_of_line(q, cells->grid.lines_of_pixel)};
   make_bands(*cells);
   make_kernels(*cells, optics, threads);
   settle_margin(*cells);
   Instrument& r = cells->rendered;
-  const int q = cells->grid.cells;
-  r.pixels = (instrument.pixels + 2 * cells->margin_px[0]) * q;
-  r.lines = (instrument.lines + 2 * cells->margin_px[1]) * q;
-  r.ifov_across_rad /= q, r.ifov_along_rad /= q * instrument.lines_of_pixel;
+  const auto& n = cells->grid.cells;
+  const double across = (instrument.pixels + 2.0 * cells->margin_px[0]) * n[0],
+               along = (instrument.lines + 2.0 * cells->margin_px[1]) * n[1],
+               most = kMostCells / (instrument.kind == InstrumentKind::whiskbroom ? 5 : 1);
+  if (across * along > most)
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("instrument '{}': its focal planes make {:.0f} x {:.0f} cells of its pixels, more than "
+                    "{:.0e}; split the image, or lower oversampling",
+                    instrument.name, across, along, most));
+  r.pixels = static_cast<int>(across), r.lines = static_cast<int>(along);
+  r.ifov_across_rad /= n[0], r.ifov_along_rad /= n[1] * cells->grid.lines_of_pixel;
   r.motion = scene::PoseMotion::held;
   r.poses = cell_poses(*cells);
   r.focal_planes.clear(), r.detector.reset(), r.quicklook_bands.clear();
-  r.cells_along = q;
+  r.share_of_draws = 0;
+  for (const SpreadKernel& kernel : cells->kernels)
+    r.share_of_draws = std::max(r.share_of_draws, kernel.share_of_draws);
   return cells;
 }
 

@@ -31,17 +31,24 @@ struct Cells {
   double most_keystone_px = 0;     ///< in any band and sample
 
   /// Cell of a pixel's middle along either axis.
-  int middle(int axis, int pixel) const {
-    return (margin_px[static_cast<std::size_t>(axis)] + pixel) * grid.cells + grid.cells / 2;
+  int middle(std::size_t axis, int pixel) const {
+    return (margin_px[axis] + pixel) * grid.cells[axis] + grid.cells[axis] / 2;
   }
+  /// Cells on either side of the middle that are the pixel's own: along, a pixel is as long as its lines say.
+  std::array<int, 2> own() const {
+    const double along = grid.cells[1] * grid.lines_of_pixel;
+    return {grid.cells[0] / 2, std::max(0, static_cast<int>(0.5 * along - 0.5 + 1e-6))};
+  }
+  int own_count() const { return (2 * own()[0] + 1) * (2 * own()[1] + 1); }
 };
 
 /// Of a band's centre at a sample, um, and of where it looks there, pixels towards higher samples.
 double smile_um(const scene::Instrument& instrument, std::size_t band, double sample);
 double keystone_px(const scene::Instrument& instrument, std::size_t band, double sample);
 
-/// Of an instrument with focal planes; null without. Motion that is automatic is
-/// none: lines that lie closer or farther than a pixel is long are seen as they lie. threads: 0: all.
+/// Of an instrument with focal planes; null without. threads: 0: all. Throws Error(input) for a scanner whose lines lie
+/// unevenly on the ground (by more than a tenth), or more than five times closer or farther apart than its pixels are
+/// long, and for point spreads that reach too far.
 std::shared_ptr<const Cells> make_cells(const scene::Instrument& instrument, int threads);
 
 }  // namespace raycube::sensors

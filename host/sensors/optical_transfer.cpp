@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/base/interrupt.h"
+
 namespace raycube::sensors {
 namespace {
 
@@ -11,8 +13,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSigmas = 4.5;        ///< of a Gaussian
 constexpr double kAiry_lambda_n = 20;  ///< of diffraction, in wavelengths times f-number
 constexpr int kPerRing = 8;            ///< steps of the integral between two rings, at least
-constexpr double kPerWave = 24;        ///< and in a wave of the highest frequency
-constexpr double kRingPoints = 40;     ///< frequencies per cycle over the outermost radius, for linear interpolation
+constexpr double kPerWave = 12;        ///< and in a wave of the highest frequency
+constexpr double kRingPoints = 24;     ///< frequencies per cycle over the outermost radius, for linear interpolation
 
 double gaussian(double sigma, double f) { return std::exp(-2 * kPi * kPi * sigma * sigma * f * f); }
 
@@ -61,7 +63,10 @@ OpticalTransfer::OpticalTransfer(const scene::FocalPlane& plane, double highest)
   const auto count = static_cast<std::size_t>(std::ceil(std::sqrt(2.0) * highest / step_)) + 2;
   for (const auto& h : table.value) {
     auto& row = rings_.emplace_back(count);
-    for (std::size_t i = 0; i < count; ++i) row[i] = ring_integral(table.radius_px, h, static_cast<double>(i) * step_);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i % 64 == 0) base::throw_if_interrupted();
+      row[i] = ring_integral(table.radius_px, h, static_cast<double>(i) * step_);
+    }
     const double all = row.front();
     for (double& v : row) v /= all;
   }
@@ -69,7 +74,7 @@ OpticalTransfer::OpticalTransfer(const scene::FocalPlane& plane, double highest)
 
 double OpticalTransfer::rings(double um, double f) const {
   const auto at = [&](std::size_t w) {
-    const double x = f / step_;
+    const double x = std::min(f / step_, static_cast<double>(rings_[w].size() - 1));
     const auto i = std::min(static_cast<std::size_t>(x), rings_[w].size() - 2);
     return std::lerp(rings_[w][i], rings_[w][i + 1], x - static_cast<double>(i));
   };
@@ -111,7 +116,7 @@ std::array<double, 2> OpticalTransfer::reach_px(double um) const {
   const auto& spread = p.spread;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     out[axis] = 0.5 * (p.detector_px[axis] + p.smear_px[axis]) + kSigmas * std::hypot(p.sigma_px[axis], p.jitter_px);
-    if (p.f_number > 0) out[axis] += kAiry_lambda_n * um * p.f_number / p.pitch_um;
+    if (p.f_number > 0) out[axis] += kAiry_lambda_n * um * p.f_number / (p.pitch_um * (1 - p.obscuration));
     if (spread.rings()) out[axis] += spread.radius_px.back();
     double farthest = 0;
     for (const double x : axis == 0 ? spread.x_px : spread.y_px) farthest = std::max(farthest, std::abs(x));

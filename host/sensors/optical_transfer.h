@@ -32,8 +32,8 @@ class OpticalTransfer {
   std::complex<double> operator()(double um, double fu, double fv) const;
 
   /// Farther from its middle than this, in pixels across and along, the spread has no part that counts: Gaussians end
-  /// at 4.5 standard deviations (7e-6), diffraction after 20 wavelengths times the f-number (1 % of the light; more by
-  /// what an obscured middle adds).
+  /// at 4.5 standard deviations (7e-6), diffraction after 20 wavelengths times the f-number over 1 - obscuration (1 %
+  /// of the light).
   std::array<double, 2> reach_px(double um) const;
 
  private:

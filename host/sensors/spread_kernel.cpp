@@ -6,12 +6,16 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+
 namespace raycube::sensors {
 namespace {
 
 constexpr double kTold = 1e-4;   ///< of the largest product of weights: smaller ones are left out
 constexpr double kUnseen = 0.1;  ///< of enough_cells
-constexpr int kMostCells = 9;
+constexpr int kMostAcross = 9;
 constexpr int kLagrange = 6;
 
 using Complex = std::complex<double>;
@@ -27,13 +31,13 @@ Eigen::MatrixXcd waves(int half, int count) {
 
 /// Weights of all cells, [along][across].
 Eigen::MatrixXd weights(const OpticalTransfer& optics, double um, const KernelGrid& grid, std::array<int, 2> half) {
-  const double q = grid.cells;
+  const double qu = grid.cells[0], qv = grid.cells[1];
   const std::array<int, 2> count{4 * half[0] + 1, 4 * half[1] + 1};
   Eigen::MatrixXcd transfer(count[1], count[0]);
   for (int v = 0; v < count[1]; ++v)
     for (int u = 0; u < count[0]; ++u) {
-      const double fu = q * (u - count[0] / 2) / count[0], fv = q * (v - count[1] / 2) / count[1];
-      transfer(v, u) = wanted_transfer(optics, um, grid, fu, fv) / (sinc(fu / q) * sinc(fv / q));
+      const double fu = qu * (u - count[0] / 2) / count[0], fv = qv * (v - count[1] / 2) / count[1];
+      transfer(v, u) = wanted_transfer(optics, um, grid, fu, fv) / (sinc(fu / qu) * sinc(fv / qv));
     }
   return (waves(half[1], count[1]) * transfer * waves(half[0], count[0]).transpose()).real();
 }
@@ -60,21 +64,28 @@ double largest_error(const SpreadKernel& kernel, const OpticalTransfer& optics, 
 }  // namespace
 
 Complex wanted_transfer(const OpticalTransfer& optics, double um, const KernelGrid& grid, double fu, double fv) {
-  return optics(um, fu, fv * grid.lines_of_pixel) * (grid.moving ? sinc(fv) : 1);
+  return optics(um, fu, fv * grid.lines_of_pixel);
 }
 
 Complex SpreadKernel::transfer(const KernelGrid& grid, double fu, double fv) const {
-  const double q = grid.cells;
+  const double u = fu / grid.cells[0], v = fv / grid.cells[1];
   Complex sum = 0;
-  for (const Term& term : terms) sum += transform(term.across, fu / q) * transform(term.along, fv / q);
-  return sum * sinc(fu / q) * sinc(fv / q);
+  for (const Term& term : terms) sum += transform(term.across, u) * transform(term.along, v);
+  return sum * sinc(u) * sinc(v);
 }
 
-SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid) {
+SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid, const std::string& what) {
   const auto reach = optics.reach_px(um);
+  const std::array<double, 2> far{reach[0] * grid.cells[0], reach[1] * grid.lines_of_pixel * grid.cells[1]};
+  if (std::max(far[0], far[1]) > kMostHalf)
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("{}: its point spread at {:.4g} um reaches {:.3g} pixels, {:.0f} cells of a pixel's "
+                    "{}; at most {} can be: narrow it, or lower oversampling",
+                    what, um, std::max(reach[0], reach[1]), std::max(far[0], far[1]), grid.cells[0], kMostHalf));
   SpreadKernel out;
-  out.half = {static_cast<int>(std::ceil(reach[0] * grid.cells)),
-              static_cast<int>(std::ceil((reach[1] * grid.lines_of_pixel + (grid.moving ? 0.5 : 0)) * grid.cells))};
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    out.half[axis] = std::max(static_cast<int>(std::ceil(far[axis])), grid.cells[axis] / 2);
   Eigen::MatrixXd w = weights(optics, um, grid, out.half);
   w /= w.sum();
   const Eigen::BDCSVD<Eigen::MatrixXd> parts(w, Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -86,6 +97,7 @@ SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelG
     for (const double value : parts.matrixV().col(i)) term.across.push_back(value);
     out.terms.push_back(std::move(term));
   }
+  out.share_of_draws = w.norm();
   out.mtf_error = largest_error(out, optics, um, grid);
   return out;
 }
@@ -108,18 +120,16 @@ Taps shifted(const Taps& taps, double cells, int longer) {
   return out;
 }
 
-int enough_cells(const OpticalTransfer& optics, double um, double lines_of_pixel, bool moving) {
-  for (int cells = 3; cells < kMostCells; cells += 2) {
-    const KernelGrid grid{cells, lines_of_pixel, moving};
+int enough_cells(const OpticalTransfer& optics, double um) {
+  for (int cells = 3; cells < kMostAcross; cells += 2) {
     double worst = 0;
     for (double f = 0.5 * cells; f <= cells; f += 0.125)
       for (const auto& [u, v] : {std::pair{1.0, 0.0}, std::pair{0.0, 1.0}})
         worst = std::max(
-            worst, std::abs(wanted_transfer(optics, um, grid, (cells - f) * u, (cells - f) * v) * sinc(f / cells) -
-                            wanted_transfer(optics, um, grid, f * u, f * v)));
+            worst, std::abs(optics(um, (cells - f) * u, (cells - f) * v) * sinc(f / cells) - optics(um, f * u, f * v)));
     if (worst <= kUnseen) return cells;
   }
-  return kMostCells;
+  return kMostAcross;
 }
 
 }  // namespace raycube::sensors

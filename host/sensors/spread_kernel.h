@@ -10,6 +10,7 @@
 
 #include <array>
 #include <complex>
+#include <string>
 #include <vector>
 
 #include "host/sensors/optical_transfer.h"
@@ -18,10 +19,8 @@ namespace raycube::sensors {
 
 /// What a kernel is made for.
 struct KernelGrid {
-  int cells = 3;              ///< along a pixel; odd
-  double lines_of_pixel = 1;  ///< along: the grid's unit is a line
-  bool moving = false;        ///< the platform moves by a line while it looks at one
-  double highest() const { return cells; }
+  std::array<int, 2> cells{3, 3};  ///< of a pixel across, of a line along; odd
+  double lines_of_pixel = 1;       ///< along: a pixel's length over the lines' distance
 };
 
 /// Weights of one axis, from -half on.
@@ -33,6 +32,7 @@ struct SpreadKernel {
   };
   std::vector<Term> terms;
   std::array<int, 2> half{};  ///< cells on either side of the middle, across and along
+  double share_of_draws = 0;  ///< what independent errors of the cells leave in a pixel: root of the sum of the squares
   double mtf_error = 0;       ///< largest |transfer - T| up to half a cycle a pixel, across, along and aslant
 
   /// What the weights and the cells make of a wave; cycles a pixel across, a line along.
@@ -43,7 +43,9 @@ struct SpreadKernel {
 std::complex<double> wanted_transfer(const OpticalTransfer& optics, double um, const KernelGrid& grid, double fu,
                                      double fv);
 
-SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid);
+/// Throws Error(input), which begins with `what`, where the spread reaches farther than kMostHalf cells.
+SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid, const std::string& what);
+inline constexpr int kMostHalf = 250;
 
 /// Weights that look `cells` farther on: each neighbour's by Lagrange's polynomial through six, at most 0.5 % off a
 /// wave of six cells (half a cycle a pixel at q = 3), 1e-4 off one of twelve. kShiftReach longer on either side, and by
@@ -52,6 +54,6 @@ Taps shifted(const Taps& taps, double cells, int longer);
 inline constexpr int kShiftReach = 3;
 
 /// The fewest odd cells a pixel, 3 to 9, at which what is finer than they see counts as 0.1 at most instead of T.
-int enough_cells(const OpticalTransfer& optics, double um, double lines_of_pixel, bool moving);
+int enough_cells(const OpticalTransfer& optics, double um);
 
 }  // namespace raycube::sensors

@@ -9,6 +9,7 @@ from this folder (park*.toml, materials.toml, spectra/), so OUT can be moved as 
 
 import argparse
 import json
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -65,28 +66,40 @@ def write_objects(out):
     return {name: int(sum(len(t) for _, _, t in groups)) for name, groups in meshes.items()}
 
 
-def write_bands(out):
-    rows = bands.spectir_360()
-    (out / "spectir_360.csv").write_text(
-        "# ProSpecTIR-VS band centres as published in part (Bloechl et al. 2014): 394.8 + 4.6 n nm to band 125, then "
-        "6.3 nm steps;\n"
-        "# widths nominal\ncenter_nm,fwhm_nm\n" + "".join(f"{c:g},{w:g}\n" for c, w in rows)
-    )
-    (out / "wasp_rgb.csv").write_text(
-        "# Relative responses of a colour frame camera, nominal: no measured response of the WASP camera is published\n"
-        "wavelength_nm,blue,green,red\n" + "".join("%g,%.4f,%.4f,%.4f\n" % tuple(row) for row in bands.wasp_rgb())
-    )
+def write_bands(out, sensors):
+    """Sensors to copy, the bands that the park's own file names beside it; how many the spectrometer has."""
+    shutil.copytree(sensors, out / "sensors", dirs_exist_ok=True)
+    for name in ("spectir_360.csv", "wasp_rgb.csv"):
+        shutil.copyfile(sensors / name, out / name)
     (out / "lwir_45.csv").write_text(
         "# Nominal thermal imaging spectrometer\ncenter_nm,fwhm_nm\n"
         + "".join(f"{c:g},{w:g}\n" for c, w in bands.lwir_45())
     )
-    return len(rows)
+    rows = (line for line in (sensors / "spectir_360.csv").read_text().splitlines() if not line.startswith("#"))
+    return sum(1 for _ in rows) - 1
+
+
+#: What the leaves and the grass of one species are made of, in place of those of others (--species 1).
+ONE_SPECIES = {"half_dry_grass": "lawn_grass", "dry_grass": "lawn_grass", "aspen_leaf": "maple_leaf"}
+ONE_SPECIES |= {"walnut_leaf": "maple_leaf", "spruce_needles": "maple_leaf"}
+
+
+def write_materials(text, species):
+    """materials.toml, in which all grass and all leaves are alike where one species is asked for."""
+    if species != 1:
+        return text
+    parts = re.split(r"(?m)^(?=\[\[material\]\])", text)
+    of = {re.search(r'name = "(.*)"', part).group(1): part for part in parts[1:]}
+    for name, like in ONE_SPECIES.items():
+        of[name] = of[like].replace(f'name = "{like}"', f'name = "{name}"')
+    return parts[0] + "".join(of.values())
 
 
 def main():
     parser = argparse.ArgumentParser(description="Assembles the park scene in a folder.")
     parser.add_argument("out", type=Path, help="folder to write; made when missing")
     parser.add_argument("--seed", type=int, default=2012, help="seed of everything drawn (default 2012)")
+    parser.add_argument("--species", type=int, choices=(1, 4), default=4, help="1: all grass and all trees alike")
     arguments = parser.parse_args()
     out, seed, here = arguments.out, arguments.seed, Path(__file__).resolve().parent
     out.mkdir(parents=True, exist_ok=True)
@@ -109,10 +122,11 @@ def main():
             out / f"{name}.csv", rows, [f"{name}: scene metres, yaw clockwise from north, {MADE_BY}"]
         )
         facts["instances"][name] = len(rows)
-    facts["bands"] = write_bands(out)
+    facts["bands"] = write_bands(out, here.parent / "sensors")
 
-    for name in ("park.toml", "park_lwir.toml", "park_scene.toml", "materials.toml"):
+    for name in ("park.toml", "park_lwir.toml", "park_scene.toml"):
         shutil.copyfile(here / name, out / name)
+    (out / "materials.toml").write_text(write_materials((here / "materials.toml").read_text(), arguments.species))
     shutil.copyfile(here.parent / "lidar" / "park_survey.toml", out / "park_survey.toml")
     shutil.copytree(here / "spectra", out / "spectra", dirs_exist_ok=True)
     (out / "facts.json").write_text(json.dumps(facts, indent=1) + "\n")
