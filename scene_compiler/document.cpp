@@ -216,7 +216,7 @@ class DocumentReader {
       return;
     }
     for (const auto& [key, node] : table)
-      if (node.source().begin.line < format->source().begin.line) {
+      if (node.source().begin.line > 0 && node.source().begin.line < format->source().begin.line) {  // 0: --set
         problems_.add(where_of(file, format->source()), "format is not the first key",
                       "'" + std::string(key.str()) + "' before it", "move format = 1 to the top");
         return;

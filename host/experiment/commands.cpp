@@ -1,8 +1,9 @@
 #include "host/experiment/commands.h"
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -19,12 +20,11 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 
-extern char** environ;
-
 namespace raycube::experiment {
 namespace {
 
 constexpr std::size_t kLastLines = 12;
+constexpr int kNotStarted = 127;  ///< as shells say it
 
 std::string last_lines(const std::string& file) {
   std::ifstream in(file);
@@ -36,12 +36,20 @@ std::string last_lines(const std::string& file) {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
-/// What posix_spawn is told of files and folder, freed at its end.
-struct Actions {
-  posix_spawn_file_actions_t value;
-  Actions() { posix_spawn_file_actions_init(&value); }
-  ~Actions() { posix_spawn_file_actions_destroy(&value); }
-};
+/// In the child, where only what a signal handler may do is allowed: never returns. It ends with its parent, however
+/// that ends, so that no step goes on that nobody waits for. status: of what could not be done.
+[[noreturn]] void become(char* const* arguments, const char* folder, const char* out, const char* err, pid_t parent) {
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) ::_exit(kNotStarted);
+  const auto take = [](const char* path, int flags, int to) {
+    const int file = ::open(path, flags, 0666);
+    return file >= 0 && ::dup2(file, to) >= 0;
+  };
+  const int append = O_WRONLY | O_CREAT | O_APPEND;
+  if (::chdir(folder) == 0 && take("/dev/null", O_RDONLY, 0) && take(out, append, 1) && take(err, append, 2))
+    ::execvp(arguments[0], arguments);
+  ::_exit(kNotStarted);
+}
 
 }  // namespace
 
@@ -93,17 +101,11 @@ void run_command(const Command& command, const std::string& folder, const std::s
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  Actions actions;
-  posix_spawn_file_actions_addchdir_np(&actions.value, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions.value, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions.value, 1, out.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666);
-  posix_spawn_file_actions_addopen(&actions.value, 2, err.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666);
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, arguments[0], &actions.value, nullptr, arguments.data(), environ);
-  if (failed)
-    throw base::Error(base::Fault::input,
-                      fmt::format("{}: cannot be started: {}; name a program, \"raycube\" is this one", command.front(),
-                                  std::strerror(failed)));
+  const pid_t parent = ::getpid(), child = ::fork();
+  if (child == 0) become(arguments.data(), folder.c_str(), out.c_str(), err.c_str(), parent);
+  if (child < 0)
+    throw base::Error(base::Fault::environment,
+                      command.front() + ": no process could be made: " + std::strerror(errno));
   int status = 0;
   bool told = false;
   for (pid_t ended = 0; ended != child;) {
@@ -115,6 +117,10 @@ void run_command(const Command& command, const std::string& folder, const std::s
   }
   base::throw_if_interrupted();
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted)
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("{}: cannot be started in {}; name a program, \"raycube\" is this one", command.front(), folder));
   const std::string how = WIFEXITED(status) ? fmt::format("ended with status {}", WEXITSTATUS(status))
                                             : fmt::format("was ended by signal {}", WTERMSIG(status));
   throw base::Error(base::Fault::check, fmt::format("`{}` {}; its last words ({}):\n{}", fmt::join(command, " "), how,

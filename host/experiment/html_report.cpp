@@ -27,9 +27,11 @@ a { color: var(--accent); }
 nav ol { columns: 18rem; padding-left: 1.4rem; font-size: 0.92rem; }
 section { border-top: 1px solid var(--line); padding: 1.4rem 0 0.8rem; break-inside: avoid; }
 .of { color: var(--accent); font-weight: 600; font-size: 0.9rem; }
-.pictures { display: flex; flex-wrap: wrap; gap: 0.8rem; margin: 0.8rem 0; }
-.pictures img { flex: 1 1 20rem; min-width: 0; max-width: 100%; height: auto; background: #fff;
-                border: 1px solid var(--line); object-fit: contain; align-self: flex-start; }
+.pictures { display: grid; grid-template-columns: 1fr; gap: 0.8rem; margin: 0.8rem 0; }
+@media (min-width: 44rem), print {
+  .pictures.of2, .pictures.of4 { grid-template-columns: 1fr 1fr; }
+  .pictures.of3 { grid-template-columns: 1fr 1fr 1fr; } }
+.pictures img { width: 100%; height: auto; background: #fff; border: 1px solid var(--line); align-self: start; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: 0.6rem 0; font-size: 0.94rem; }
 th, td { text-align: left; padding: 0.3rem 0.9rem 0.3rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
@@ -56,13 +58,28 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+/// Words between backticks as code.
+std::string with_code(const std::string& text) {
+  std::string out;
+  bool inside = false;
+  for (const char c : text) {
+    if (c != '`') {
+      out += c;
+      continue;
+    }
+    out += inside ? "</code>" : "<code>";
+    inside = !inside;
+  }
+  return inside ? out + "</code>" : out;
+}
+
 /// Paragraphs: split by empty lines.
 std::string paragraphs(const std::string& text) {
   std::string out;
   std::istringstream lines(text);
   std::string paragraph;
   const auto end = [&] {
-    if (!paragraph.empty()) out += "<p>" + escaped(paragraph) + "</p>\n";
+    if (!paragraph.empty()) out += "<p>" + with_code(escaped(paragraph)) + "</p>\n";
     paragraph.clear();
   };
   for (std::string line; std::getline(lines, line);) {
@@ -112,7 +129,7 @@ std::string figure_html(const ToldFigure& told, std::size_t number) {
   if (!figure.of.empty()) out += "<div class=\"of\">" + escaped(figure.of) + "</div>\n";
   out += "<h2>" + escaped(figure.title) + "</h2>\n" + paragraphs(figure.text);
   if (!told.pictures.empty()) {
-    out += "<div class=\"pictures\">\n";
+    out += fmt::format("<div class=\"pictures of{}\">\n", told.pictures.size());
     for (const std::string& picture : told.pictures)
       out += fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", escaped(figure.title),
                          base64(whole(picture, figure.where)));

@@ -169,7 +169,8 @@ KeptStep KeptSteps::make(const StepPlan& step, const Names& names, bool by_key) 
   if (fs::exists(folder, code)) {
     fs::remove(folder / kRecord, code);  // first: what is left of a step is none
     for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path() != mark) fs::remove_all(entry.path(), code);
+      if (entry.path() != mark && !fs::exists(entry.path() / kMark, code))  // a study in it keeps its own steps
+        fs::remove_all(entry.path(), code);
   }
   fs::create_directories(folder, code);
   base::write_output_file(mark.string(), step.name + "\n", base::IfExists::replace);

@@ -23,6 +23,7 @@
 #include "host/products/digest.h"
 #include "host/products/envi_writer.h"
 #include "host/products/exr_writer.h"
+#include "host/products/geolocated_vrt.h"
 #include "host/products/in_order.h"
 #include "host/products/map_grid.h"
 #include "host/products/quicklook.h"
@@ -370,6 +371,10 @@ void CubeProducts::publish(products::RunRecord& record, const Services& services
   if (s.location) {
     s.location_text->append(products::envi_header_text(s.location_header));
     record.files.emplace_back("location.img", "easting, northing, height of each pixel, ENVI");
+    s.set.add("radiance.vrt")
+        .append(products::geolocated_vrt(s.radiance->header(), "radiance.img", "location.img",
+                                         products::projected_wkt(s.simulation.scene.origin.epsg)));
+    record.files.emplace_back("radiance.vrt", "the cube where its pixels look, for gdalwarp -geoloc");
   }
   s.truth_cubes->finish(record);
   if (s.cells) {

@@ -170,7 +170,9 @@ with tempfile.TemporaryDirectory() as work:
     run("render", work / "geo.toml", "-o", work / "geo")
     geo = work / "geo" / "camera"
     check(
-        names(geo) == kProducts | {"location.img", "location.hdr", "transmission.img", "transmission.hdr"}, names(geo)
+        names(geo)
+        == kProducts | {"location.img", "location.hdr", "radiance.vrt", "transmission.img", "transmission.hdr"},
+        names(geo),
     )
     header, location = envi(geo, "location")
     check(location.dtype == numpy.float64 and header["band names"] == ["easting [m]", "northing [m]", "height [m]"])

@@ -11,6 +11,7 @@ import os
 import pathlib
 import re
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -27,6 +28,7 @@ WORK = """import json, os, pathlib, sys, time
 folder, value = pathlib.Path(sys.argv[1]), float(sys.argv[2])
 with open(sys.argv[3] + "/log", "a") as log:
     log.write(sys.argv[4] + "\\n")
+(folder / "pid").write_text(str(os.getpid()))
 time.sleep(float(sys.argv[5]) if len(sys.argv) > 5 else 0)
 (folder / "out.json").write_text(json.dumps({"a": {"b": [value, None, "text"]}, "square": value * value}))
 """
@@ -175,6 +177,13 @@ def killed(folder):
     (out / "steps/s3/half").write_text("x")
     os.kill(running.pid, signal.SIGKILL)
     running.wait()
+    orphan = int((out / "steps/s3/pid").read_text())
+    for _ in range(100):  # it ends with its parent
+        if not pathlib.Path(f"/proc/{orphan}").exists() or "Z" in pathlib.Path(f"/proc/{orphan}/stat").read_text():
+            break
+        time.sleep(0.1)
+    else:
+        program.check(False, orphan)
     program.check(runs(folder) == ["s1", "s2", "s3"])
     write(folder, "slow.toml", study.read_text().replace('"30"', '"0"'))
     program.run("experiment", study, "-o", out)
@@ -378,6 +387,10 @@ def settings(folder):
     apart = plain.replace("[time.sun]\nzenith_deg = 30.0\nazimuth_deg = 90.0\n", '[scene]\ninclude = ["part.toml"]\n')
     turned = image(plain.replace("zenith_deg = 30.0", "zenith_deg = 60.0"))
     program.check(image(apart, "--set", "time.sun.zenith_deg=60.0") == turned)
+    told = json.loads((folder / "set/camera/run.json").read_text())["configuration"]
+    image(plain, "--set", "tolerance=0.02")
+    after = json.loads((folder / "set/camera/run.json").read_text())["configuration"]
+    program.check((told["tolerance"], after["tolerance"]) == (0.01, 0.02), after["tolerance"])
     for value, says in (
         ("material.grass.reflectance=0.4", "material.grass"),
         ("instrument.camera.colour=3", "colour"),
@@ -389,6 +402,21 @@ def settings(folder):
         program.check(says in said, value, said)
 
 
+def shipped(folder, scenes):
+    """The experiment of scenes/avon is read to its end, its scene is sound, its sweeps have their points."""
+    avon = scenes / "avon"
+    done = program.run("experiment", avon / "experiment.toml", "-o", folder / "avon", "--dry-run")
+    program.check(done.stdout.count(": to run") == len(done.stdout.splitlines()) >= 20, done.stdout)
+    for name, points in (("ace", 9), ("indices", 8 * 5)):
+        done = program.run("sweep", avon / f"{name}.toml", "--dry-run")
+        program.check(len(done.stdout.splitlines()) == points + 1, name, done.stdout)
+    for species in ("1", "4"):
+        subprocess.run([PYTHON, scenes / "park/generate.py", folder / "park", "--species", species], check=True)
+        (folder / "park/avon.toml").write_bytes((avon / "avon.toml").read_bytes())
+        done = program.run("scene", "check", folder / "park/avon.toml")
+        program.check("6 instruments" in done.stdout, done.stdout)
+
+
 with tempfile.TemporaryDirectory() as scratch:
     top = pathlib.Path(scratch)
     text, first = kept(top)
@@ -396,4 +424,5 @@ with tempfile.TemporaryDirectory() as scratch:
     refused(top, text, first)
     combinations(top)
     settings(top)
+    shipped(top, pathlib.Path(sys.argv[2]))
     print(f"studies: indices of Ishigami's function within {indices(top):.4f}, {program.checks} checks")
