@@ -168,7 +168,6 @@ class DocumentReader {
     const File file{asked.text, path.parent_path()};
     auto table = parsed(path, file, asked.where, "sensor's file");
     if (!table) return;
-    overrides_.apply(*table, "instrument." + record.values["name"].text);
     check_format(*table, file);
     std::vector<std::string> said;  // by the instrument itself, which counts
     for (const auto& [key, node] : *table) {
@@ -179,6 +178,7 @@ class DocumentReader {
         said.push_back(name);
     }
     for (const std::string& name : said) table->erase(name);
+    overrides_.apply(*table, "instrument." + record.values["name"].text);
     read_table(*table, file, record.path, record);
   }
 

@@ -10,6 +10,7 @@ namespace raycube::analysis {
 namespace {
 
 constexpr double kPixelsPerBin = 2;
+constexpr std::int64_t kMostRings = 40;  ///< of bins, where pixels are oblong or most see no ground
 /// Of a pixel's size, from its middle: corners lie 0.71 away, and middles of what is seen are not middles of pixels.
 constexpr double kInside = 0.75;
 constexpr double kHidden = 1.5;  ///< of the larger pixel's size, in space: farther away it is something else
@@ -52,15 +53,17 @@ GroundMatch::GroundMatch(const Cube& places, const Pass& pass)
   std::array<double, 2> high{-1e300, -1e300};
   low_ = {1e300, 1e300};
   const auto count = static_cast<std::uint32_t>(places.pixels());
+  std::uint64_t placed = 0;
+  for (std::uint32_t p = 0; p < count; ++p) placed += std::isfinite(place_[3 * std::size_t{p}]);
   for (std::uint32_t p = 0; p < count; ++p)
     for (std::size_t i = 0; i < 2; ++i)
       if (const double v = double{place_[3 * std::size_t{p} + i]}; std::isfinite(v))
         low_[i] = std::min(low_[i], v), high[i] = std::max(high[i], v);
   const double area = std::max(1e-12, (high[0] - low_[0]) * (high[1] - low_[1]));
-  const double side = std::max(std::sqrt(area * kPixelsPerBin / count), 1e-9);
+  const double side = std::max(std::sqrt(area * kPixelsPerBin / static_cast<double>(placed)), 1e-9);
   for (std::size_t i = 0; i < 2; ++i) {
     step_[i] = side;
-    bins_[i] = std::clamp<std::int64_t>(static_cast<std::int64_t>((high[i] - low_[i]) / side) + 1, 1, 1 << 16);
+    bins_[i] = std::clamp<std::int64_t>(static_cast<std::int64_t>((high[i] - low_[i]) / side) + 1, 1, 1 << 14);
     step_[i] = std::max(side, (high[i] - low_[i]) / static_cast<double>(bins_[i]) * (1 + 1e-9));
   }
   std::vector<std::uint32_t> bin(count, UINT32_MAX);
@@ -86,19 +89,18 @@ std::array<std::int64_t, 2> GroundMatch::bin_of(double x, double y) const {
   return {along(x, 0), along(y, 1)};
 }
 
-/// Way on the ground from a pixel to the next, across or along: between its neighbours as far as they are known.
+/// Way on the ground from a pixel to the next, across or along: the shorter of those to its neighbours, so that a jump
+/// in depth on one side is none of the pixel's.
 std::array<double, 3> GroundMatch::slope(std::int64_t line, std::int64_t sample, int across) const {
-  const auto neighbour = [&](int step) -> const float* {
-    const std::int64_t l = line + (across ? 0 : step), s = sample + (across ? step : 0);
-    if (l < 0 || l >= lines_ || s < 0 || s >= samples_ || !std::isfinite(*at(l, s))) return nullptr;
-    return at(l, s);
-  };
-  const float *before = neighbour(-1), *after = neighbour(1), *here = at(line, sample);
-  if (!before && !after) return {};
-  const float *from = before ? before : here, *to = after ? after : here;
-  const double steps = before && after ? 2 : 1;
   std::array<double, 3> out{};
-  for (std::size_t i = 0; i < 3; ++i) out[i] = (double{to[i]} - double{from[i]}) / steps;
+  double least = 1e300;
+  for (const int step : {-1, 1}) {
+    const std::int64_t l = line + (across ? 0 : step), s = sample + (across ? step : 0);
+    if (l < 0 || l >= lines_ || s < 0 || s >= samples_ || !std::isfinite(*at(l, s))) continue;
+    std::array<double, 3> way{};
+    for (std::size_t i = 0; i < 3; ++i) way[i] = step * (double{at(l, s)[i]} - double{at(line, sample)[i]});
+    if (const double length = std::hypot(way[0], way[1], way[2]); length < least) least = length, out = way;
+  }
   return out;
 }
 
@@ -108,16 +110,20 @@ std::optional<ImagePlace> GroundMatch::find(const double* place, double of_place
   const auto [bx, by] = bin_of(p[0], p[1]);
   double nearest = 1e300;
   std::uint32_t found = 0;
-  for (std::int64_t y = std::max<std::int64_t>(0, by - 1); y <= std::min(bins_[1] - 1, by + 1); ++y)
-    for (std::int64_t x = std::max<std::int64_t>(0, bx - 1); x <= std::min(bins_[0] - 1, bx + 1); ++x) {
-      const auto b = static_cast<std::size_t>(y * bins_[0] + x);
-      for (std::uint32_t i = first_[b]; i < first_[b + 1]; ++i) {
-        const float* v = place_.data() + 3 * std::size_t{pixel_[i]};
-        double square = 0;
-        for (std::size_t k = 0; k < 3; ++k) square += (p[k] - double{v[k]}) * (p[k] - double{v[k]});
-        if (square < nearest) nearest = square, found = pixel_[i];
+  // Rings of bins about the place, until what is nearest lies nearer than the next ring.
+  for (std::int64_t ring = 0; ring <= kMostRings && !(nearest <= std::pow(static_cast<double>(ring - 1) * step_[0], 2));
+       ++ring)
+    for (std::int64_t y = std::max<std::int64_t>(0, by - ring); y <= std::min(bins_[1] - 1, by + ring); ++y)
+      for (std::int64_t x = std::max<std::int64_t>(0, bx - ring); x <= std::min(bins_[0] - 1, bx + ring); ++x) {
+        if (std::max(std::abs(x - bx), std::abs(y - by)) != ring) continue;
+        const auto b = static_cast<std::size_t>(y * bins_[0] + x);
+        for (std::uint32_t i = first_[b]; i < first_[b + 1]; ++i) {
+          const float* v = place_.data() + 3 * std::size_t{pixel_[i]};
+          double square = 0;
+          for (std::size_t k = 0; k < 3; ++k) square += (p[k] - double{v[k]}) * (p[k] - double{v[k]});
+          if (square < nearest) nearest = square, found = pixel_[i];
+        }
       }
-    }
   if (nearest == 1e300) return std::nullopt;
   const std::int64_t line = found / samples_, sample = found % samples_;
   const auto u = slope(line, sample, 1), v = slope(line, sample, 0);

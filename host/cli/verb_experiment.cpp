@@ -16,12 +16,10 @@ struct ExperimentRequest {
 };
 
 int dry_run(const experiment::Experiment& study, experiment::KeptSteps& steps, Invocation& invocation) {
-  bool later = false;  // what builds on a step that runs, runs
-  for (const experiment::StepPlan& step : study.steps) {
-    const bool kept = !later && steps.is_kept(step);
+  for (const experiment::StepPlan& step : study.steps) {  // what builds on one that runs finds no such name, and runs
+    const bool kept = steps.is_kept(step);
     if (kept) steps.make(step);
     invocation.out << step.name << (kept ? ": kept\n" : ": to run\n");
-    later = later || !kept;
   }
   return 0;
 }
@@ -29,7 +27,7 @@ int dry_run(const experiment::Experiment& study, experiment::KeptSteps& steps, I
 int run_experiment(const ExperimentRequest& request, Invocation& invocation) {
   const experiment::Experiment study = experiment::read_experiment(request.file);
   experiment::KeptSteps steps(invocation.common.output.empty() ? "experiment" : invocation.common.output, study.folder,
-                              invocation.common.dry_run);
+                              request.file, invocation.common.dry_run);
   if (invocation.common.dry_run) return dry_run(study, steps, invocation);
   const run::Services services = services_of(invocation);
   std::vector<std::pair<std::string, experiment::KeptStep>> made;

@@ -25,7 +25,8 @@ int run_sweep(const SweepRequest& request, Invocation& invocation) {
                                             {points.size(), std::vector<double>(sweep.metrics.size(), NAN)});
     return 0;
   }
-  experiment::KeptSteps steps(invocation.common.output.empty() ? "sweep" : invocation.common.output, sweep.folder);
+  experiment::KeptSteps steps(invocation.common.output.empty() ? "sweep" : invocation.common.output, sweep.folder,
+                              request.file);
   const run::Services services = services_of(invocation);
   std::vector<std::vector<double>> metrics;
   {

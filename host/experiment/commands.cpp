@@ -40,6 +40,7 @@ std::string last_lines(const std::string& file) {
 /// that ends, so that no step goes on that nobody waits for. status: of what could not be done.
 [[noreturn]] void become(char* const* arguments, const char* folder, const char* out, const char* err, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  ::setpgid(0, 0);  // with what it starts it is told to end
   if (::getppid() != parent) ::_exit(kNotStarted);
   const auto take = [](const char* path, int flags, int to) {
     const int file = ::open(path, flags, 0666);
@@ -95,6 +96,14 @@ std::string with_names(const std::string& text, const Names& names, const std::s
   return out;
 }
 
+nlohmann::json::json_pointer pointer_of(const std::string& text, const std::string& where) {
+  try {
+    return nlohmann::json::json_pointer(text);
+  } catch (const nlohmann::json::exception&) {
+    throw base::Error(base::Fault::input, where + ": '" + text + "' is no place in a JSON file; as in /curves/0/area");
+  }
+}
+
 void run_command(const Command& command, const std::string& folder, const std::string& out, const std::string& err) {
   std::vector<std::string> words = command;
   if (words.front() == "raycube") words.front() = std::filesystem::read_symlink("/proc/self/exe").string();
@@ -112,7 +121,7 @@ void run_command(const Command& command, const std::string& folder, const std::s
     ended = waitpid(child, &status, WNOHANG);
     if (ended < 0 && errno != EINTR)
       throw base::Error(base::Fault::environment, command.front() + ": its end could not be waited for");
-    if (base::interrupted() && !told) ::kill(child, SIGTERM), told = true;  // where only this process heard of it
+    if (base::interrupted() && !told) ::kill(-child, SIGTERM), told = true;
     if (ended != child) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   base::throw_if_interrupted();

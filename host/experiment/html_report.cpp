@@ -171,7 +171,7 @@ std::vector<ToldFigure> told_figures(const Experiment& experiment, const Names& 
       if (fresh) file->second = nlohmann::json::parse(whole(path, figure.where), nullptr, false);
       if (file->second.is_discarded())
         throw base::Error(base::Fault::input, figure.where + ": " + path + " is no JSON");
-      const nlohmann::json::json_pointer at(value.at);
+      const auto at = pointer_of(value.at, figure.where);
       if (!file->second.contains(at))
         throw base::Error(base::Fault::input, figure.where + ": " + path + " has nothing at " + value.at);
       ToldValue one;

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/data_folder.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/base/sha256.h"
@@ -61,24 +62,33 @@ bool inside(const fs::path& path, const fs::path& folder) {
 
 }  // namespace
 
-KeptSteps::KeptSteps(const std::string& folder, const std::string& here, bool looks_only)
+KeptSteps::KeptSteps(const std::string& folder, const std::string& here, const std::string& study, bool looks_only)
     : folder_(fs::absolute(folder).lexically_normal().string()), here_(here) {
   std::error_code code;
-  const bool ours = fs::exists(fs::path(folder_) / kMark, code);
+  const fs::path mark = fs::path(folder_) / kMark;
+  const std::string whose = "results of the study " + fs::absolute(study).lexically_normal().string() + "\n";
+  const bool ours = fs::exists(mark, code);
   if (!ours && fs::exists(folder_, code) && !fs::is_empty(folder_, code))
     throw base::Error(base::Fault::input, folder_ + ": holds other things than a study's results; choose another -o");
-  program_ = content_hash("/proc/self/exe");
+  if (ours) {
+    std::ifstream in(mark);
+    const std::string said{std::istreambuf_iterator<char>(in), {}};
+    if (said != whose)
+      throw base::Error(base::Fault::input,
+                        folder_ + ": holds " + said.substr(0, said.find('\n')) + "; choose another -o, or remove it");
+  }
+  program_ = content_hash("/proc/self/exe") + file_hash((base::data_folder() / "plots").string());
   folders_ = {{"here", here_}};
   if (looks_only) return;
   fs::create_directories(folder_, code);
   if (code) throw base::Error(base::Fault::environment, folder_ + ": cannot be made: " + code.message());
-  if (!ours)
-    base::write_output_file((fs::path(folder_) / kMark).string(), "results of a study; steps/ may be removed\n",
-                            base::IfExists::replace);
-  lock_ = ::open((fs::path(folder_) / kMark).c_str(), O_RDONLY | O_CLOEXEC);
+  // Inherited by the steps' processes: while one of them lives nobody else works here.
+  lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY);
   if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) != 0)
-    throw base::Error(base::Fault::environment,
-                      folder_ + ": another run works in it; wait for it, or choose another -o");
+    throw base::Error(
+        base::Fault::environment,
+        folder_ + ": another run works in it, or a step that one left; wait for it, or choose another -o");
+  if (!ours) base::write_output_file(mark.string(), whose, base::IfExists::replace);
 }
 
 KeptSteps::~KeptSteps() {
@@ -89,8 +99,14 @@ std::string KeptSteps::file_hash(const std::string& path) const {
   std::error_code code;
   if (fs::is_directory(path, code)) {
     std::set<std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(path, code))
-      if (entry.is_regular_file() && entry.path().extension() != ".pyc") files.insert(entry.path().string());
+    for (auto at = fs::recursive_directory_iterator(path, code); !code && at != fs::recursive_directory_iterator();
+         at.increment(code)) {
+      if (inside(at->path(), folder_))
+        at.disable_recursion_pending();
+      else if (at->is_regular_file(code) && at->path().extension() != ".pyc")
+        files.insert(at->path().string());
+    }
+    code.clear();
     base::Sha256 all;
     for (const std::string& file : files) all.add(fs::relative(file, path).string()).add(file_hash(file));
     return all.hex();
@@ -111,12 +127,16 @@ std::string KeptSteps::key_of(const StepPlan& step, const Names& names) const {
   const auto add_file = [&](const std::string& text, bool needed) {
     fs::path path = fs::path(text).is_absolute() ? fs::path(text) : fs::path(here_) / text;
     if (inside(path, folder_)) return;  // another step's, by its key
-    if (fs::exists(path, code) && (needed || !fs::is_directory(path, code)))
+    const bool below =
+        fs::is_directory(path, code) && inside(path, here_) && path.lexically_normal() != fs::path(here_);
+    if (needed ? fs::exists(path, code) : below || fs::is_regular_file(path, code))
       key.add(file_hash(path.lexically_normal().string()));
     else if (needed)
       throw base::Error(base::Fault::input, step.where + ": input " + path.string() + " is not there; check the path");
   };
-  for (const Command& command : step.commands)
+  key.add(step.more);
+  for (const Command& command : step.commands) {
+    key.add(fmt::format("{} words\n", command.size()));
     for (std::size_t w = 0; w < command.size(); ++w) {
       const std::string& word = command[w];
       key.add(fmt::format("{}:{}\n", word.size(), word));
@@ -132,6 +152,7 @@ std::string KeptSteps::key_of(const StepPlan& step, const Names& names) const {
       if (!of_step && (w > 0 || word.find('/') != std::string::npos))
         add_file(with_names(word, values, step.where), false);
     }
+  }
   for (const std::string& input : step.inputs) add_file(with_names(input, values, step.where), true);
   return key.hex();
 }
@@ -154,13 +175,13 @@ KeptStep KeptSteps::make(const StepPlan& step, const Names& names, bool by_key) 
   KeptStep out;
   out.key = key_of(step, names);
   out.folder = folder_of(step, out.key, by_key);
-  const auto take = [&] {
-    folders_[step.name] = out.folder, keys_[step.name] = out.key;
+  const auto take = [&](const std::string& run) {  // what builds on it is made of this very run
+    folders_[step.name] = out.folder, keys_[step.name] = out.key + run;
     return out;
   };
   if (const nlohmann::json record = record_of(out.folder); record.is_object() && record.value("key", "") == out.key) {
     out.seconds = record.value("seconds", 0.0), out.processor_s = record.value("processor_s", 0.0);
-    return take();
+    return take(record.value("run", ""));
   }
   std::error_code code;
   const fs::path folder(out.folder), mark = folder / kStepMark;
@@ -168,9 +189,15 @@ KeptStep KeptSteps::make(const StepPlan& step, const Names& names, bool by_key) 
     throw base::Error(base::Fault::input, out.folder + ": is no step's folder; move it away");
   if (fs::exists(folder, code)) {
     fs::remove(folder / kRecord, code);  // first: what is left of a step is none
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path() != mark && !fs::exists(entry.path() / kMark, code))  // a study in it keeps its own steps
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path() == mark) continue;
+      if (!fs::exists(entry.path() / kMark, code)) {
         fs::remove_all(entry.path(), code);
+        continue;
+      }
+      for (const auto& inner : fs::directory_iterator(entry.path()))  // a study in it keeps its own steps
+        if (inner.path().filename() != "steps" && inner.path().filename() != kMark) fs::remove_all(inner.path(), code);
+    }
   }
   fs::create_directories(folder, code);
   base::write_output_file(mark.string(), step.name + "\n", base::IfExists::replace);
@@ -186,13 +213,13 @@ KeptStep KeptSteps::make(const StepPlan& step, const Names& names, bool by_key) 
   }
   out.run = true;
   out.seconds = base::seconds_since(start), out.processor_s = children_s() - before_s;
-  nlohmann::ordered_json record = {{"step", step.name},
-                                   {"key", out.key},
-                                   {"seconds", out.seconds},
-                                   {"processor_s", out.processor_s},
-                                   {"commands", step.commands}};
+  const std::string run =
+      fmt::format("{}.{}", std::chrono::system_clock::now().time_since_epoch().count(), static_cast<int>(::getpid()));
+  nlohmann::ordered_json record = {
+      {"step", step.name}, {"key", out.key},           {"seconds", out.seconds}, {"processor_s", out.processor_s},
+      {"run", run},        {"commands", step.commands}};
   base::write_output_file((folder / kRecord).string(), record.dump(2) + "\n", base::IfExists::replace);
-  return take();
+  return take(run);
 }
 
 }  // namespace raycube::experiment

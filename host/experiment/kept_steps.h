@@ -16,6 +16,7 @@ struct StepPlan {
   std::vector<Command> commands;    ///< with names in braces: {folder} is the step's own, {STEP} another's, {here}
   std::vector<std::string> inputs;  ///< files and folders they read besides those they name
   std::string where;                ///< for messages
+  std::string more;                 ///< what it is made of besides
 };
 
 struct KeptStep {
@@ -29,7 +30,8 @@ class KeptSteps {
   /// `folder`: of the study's results, made where missing; one that holds anything else is refused (Error input), and
   /// so is a second run at the same time. here: the study's own folder, in which commands run. looks_only: makes
   /// nothing.
-  KeptSteps(const std::string& folder, const std::string& here, bool looks_only = false);
+  /// study: whose they are, a file's path; another's are refused.
+  KeptSteps(const std::string& folder, const std::string& here, const std::string& study, bool looks_only = false);
   ~KeptSteps();
   KeptSteps(const KeptSteps&) = delete;
   KeptSteps& operator=(const KeptSteps&) = delete;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kBits = 32;
 constexpr int kResamples = 400;
+constexpr double kRounding = 1e-28;  ///< of the mean's square: a variance below it is that of sums
 
 /// A primitive polynomial and its first directions (Joe and Kuo's new-joe-kuo-6): degree, coefficients, m.
 struct Direction {
@@ -83,7 +84,7 @@ std::pair<double, double> shares(const std::vector<double>& f, std::uint32_t n, 
     const double a = at(0, j), b = at(1, j), ab = at(static_cast<std::size_t>(2 + i), j);
     first += (b - mean) * (ab - a), total += (a - ab) * (a - ab);
   }
-  const double count = static_cast<double>(drawn.size()) * variance;
+  const double count = variance > kRounding * mean * mean ? static_cast<double>(drawn.size()) * variance : 0;
   return {first / count, 0.5 * total / count};
 }
 
@@ -130,12 +131,17 @@ std::vector<SobolIndex> sobol_indices(const std::vector<double>& value, std::uin
       for (std::uint32_t j = 0; j < base_points; ++j)
         drawn[j] = static_cast<std::uint32_t>(hashed(static_cast<std::uint64_t>(r) * base_points + j) % base_points);
       const auto [s, t] = shares(value, base_points, i, drawn);
-      first.push_back(s), total.push_back(t);
+      if (std::isfinite(s) && std::isfinite(t)) first.push_back(s), total.push_back(t);  // else none of it varies
     }
     std::sort(first.begin(), first.end()), std::sort(total.begin(), total.end());
-    const auto low = static_cast<std::size_t>(0.025 * kResamples), high = static_cast<std::size_t>(0.975 * kResamples);
-    one.first_low = first[low], one.first_high = first[high];
-    one.total_low = total[low], one.total_high = total[high];
+    const std::size_t count = first.size(), low = count / 40, high = count == 0 ? 0 : count - 1 - low;
+    const bool known = count >= kResamples / 2;
+    if (known) {
+      one.first_low = first[low], one.first_high = first[high];
+      one.total_low = total[low], one.total_high = total[high];
+    } else {
+      one.first_low = one.first_high = one.total_low = one.total_high = std::numeric_limits<double>::quiet_NaN();
+    }
     if (!std::isfinite(one.first)) {
       const double none = std::numeric_limits<double>::quiet_NaN();
       one = {none, none, none, none, none, none};

@@ -15,6 +15,7 @@ constexpr double kMostLevels = 1000, kMostBasePoints = 1 << 20;
 Parameter read_parameter(StudyTable& table) {
   Parameter out;
   out.name = table.text("name");
+  require_name(table, out.name);
   out.values = table.numbers("values");
   out.range = table.has("from") || table.has("to");
   if (out.range == !out.values.empty())
@@ -24,6 +25,8 @@ Parameter read_parameter(StudyTable& table) {
     const std::string scale = table.text("scale", "linear");
     out.logarithmic = scale == "log";
     const double levels = table.number("levels", 3);
+    if (!std::isfinite(out.from) || !std::isfinite(out.to))
+      table.problem("to", "a range is finite", "inf", "give two numbers");
     if (scale != "linear" && scale != "log")
       table.problem("scale", "scale is linear or log", "'" + scale + "'", "choose");
     if (!(out.to > out.from)) table.problem("to", "to must lie above from", std::to_string(out.to), "exchange them");
@@ -42,7 +45,9 @@ Parameter read_parameter(StudyTable& table) {
 StepPlan read_step(StudyTable& table) {
   StepPlan step;
   step.where = table.where().text();
-  step.name = table.text("name"), step.commands = table.commands("run"), step.inputs = table.texts("inputs");
+  step.name = table.text("name");
+  require_name(table, step.name);
+  step.commands = table.commands("run"), step.inputs = table.texts("inputs");
   table.done();
   return step;
 }
@@ -50,6 +55,7 @@ StepPlan read_step(StudyTable& table) {
 }  // namespace
 
 double Parameter::at(double share) const {
+  if (range && share == 1) return to;
   if (!range) {
     const auto count = static_cast<double>(values.size());
     return values[static_cast<std::size_t>(std::min(count - 1, std::floor(share * count)))];
@@ -94,7 +100,11 @@ Sweep read_sweep(const std::string& file) {
   for (StudyTable& table : root.tables("metric")) {
     Metric one;
     one.where = table.where().text();
-    one.name = table.text("name"), one.unit = table.text("unit", ""), one.times = table.number("times", 1);
+    one.name = table.text("name");
+    if (one.name.find_first_of(",\"\n") != std::string::npos || !names.insert("metric " + one.name).second)
+      table.problem("name", "a metric's name has no comma, and is the only one of its kind", "'" + one.name + "'",
+                    "rename it");
+    one.unit = table.text("unit", ""), one.times = table.number("times", 1);
     if (!out.batch) one.file = table.text("file"), one.at = table.text("at");
     if (!out.batch && !one.at.empty() && one.at.front() != '/')
       table.problem("at", "a place in a JSON file begins with /", one.at, "as in /curves/0/auc (RFC 6901)");

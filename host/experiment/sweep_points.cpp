@@ -37,7 +37,7 @@ double metric_of(const Metric& metric, const Names& folders, std::map<std::strin
       throw base::Error(base::Fault::input, metric.where + ": " + path + " is not there; is its step among the steps?");
     file->second = nlohmann::json::parse(in, nullptr, false);
   }
-  const nlohmann::json::json_pointer at(metric.at);
+  const auto at = pointer_of(metric.at, metric.where);
   if (file->second.is_discarded() || !file->second.contains(at))
     throw base::Error(base::Fault::input, metric.where + ": " + path + " has nothing at " + metric.at);
   const nlohmann::json& found = file->second.at(at);
@@ -56,16 +56,15 @@ std::vector<std::vector<double>> run_batch(const Sweep& sweep, const std::vector
   base::write_output_file(table, sweep_csv(bare, points, std::vector<std::vector<double>>(points.size())),
                           base::IfExists::replace);
   StepPlan step = *sweep.batch;
-  // The points are what the step is made of: their text goes into its key by a word that no program sees.
   std::ifstream in(table);
   std::ostringstream text;
   text << in.rdbuf();
-  Names names = {{"points", table}, {"points_text", text.str()}};
+  step.more = text.str();
+  const Names names = {{"points", table}};
   for (Command& command : step.commands)
     for (std::string& word : command)
       if (const std::size_t at = word.find("{results}"); at != std::string::npos)
         word.replace(at, 9, "{folder}/results.csv");
-  step.inputs.push_back("{points}");
   const KeptStep made = steps.make(step, names, true);
   std::ifstream results(made.folder + "/results.csv");
   std::vector<std::vector<double>> out;
@@ -89,10 +88,18 @@ std::vector<std::vector<double>> run_batch(const Sweep& sweep, const std::vector
     std::istringstream cells(line);
     for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
     auto& values = out.emplace_back();
-    for (std::size_t m = 0; m < column.size(); ++m)
-      values.push_back(column[m] < row.size() && !row[column[m]].empty()
-                           ? std::strtod(row[column[m]].c_str(), nullptr) * sweep.metrics[m].times
-                           : std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t m = 0; m < column.size(); ++m) {
+      const std::string cell = column[m] < row.size() ? row[column[m]] : std::string();
+      char* end = nullptr;
+      const double value = std::strtod(cell.c_str(), &end);
+      if (end == cell.c_str() ? cell.find_first_not_of(" \r") != std::string::npos : *end != '\0' && *end != '\r')
+        throw base::Error(
+            base::Fault::input,
+            fmt::format("{}/results.csv, row {}: '{}' under {} is no number; leave it empty where there is "
+                        "none",
+                        made.folder, out.size(), cell, sweep.metrics[m].name));
+      values.push_back(end == cell.c_str() ? std::numeric_limits<double>::quiet_NaN() : value * sweep.metrics[m].times);
+    }
   }
   if (out.size() != points.size())
     throw base::Error(base::Fault::input,
@@ -196,8 +203,10 @@ nlohmann::ordered_json sweep_json(const Sweep& sweep, const std::vector<std::vec
       std::size_t row = 1;
       for (const Parameter& one : sweep.parameters) {
         double low = values[0], high = values[0];
-        for (const double value : one.values)
-          if (value != one.rest) low = std::min(low, values[row]), high = std::max(high, values[row]), ++row;
+        for (const double value : one.values) {
+          if (value == one.rest) continue;
+          low = std::fmin(low, values[row]), high = std::fmax(high, values[row]), ++row;  // past what is no number
+        }
         metric["spans"].push_back(
             {{"parameter", one.name}, {"low", number_or_null(low)}, {"high", number_or_null(high)}});
       }

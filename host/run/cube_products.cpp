@@ -371,6 +371,8 @@ void CubeProducts::publish(products::RunRecord& record, const Services& services
   if (s.location) {
     s.location_text->append(products::envi_header_text(s.location_header));
     record.files.emplace_back("location.img", "easting, northing, height of each pixel, ENVI");
+  }
+  if (s.location && !s.missed.any()) {  // GDAL takes no map from places that are not there
     s.set.add("radiance.vrt")
         .append(products::geolocated_vrt(s.radiance->header(), "radiance.img", "location.img",
                                          products::projected_wkt(s.simulation.scene.origin.epsg)));

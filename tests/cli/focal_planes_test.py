@@ -290,7 +290,7 @@ def displaced(folder):
     )
     said = envi(out, "registration")[1].astype("f8")  # [band][sample][across, along, smile]
     for band, of_last in ((0, -0.5), (1, 0.0), (2, 0.5)):
-        for sample in (0, 6, 12, 19, 24):
+        for sample in (0, 7, 24):
             aside = keystone * of_last * (sample - 12) / 12
             program.check(np.allclose(said[band, sample], (aside, 0.25, 0), atol=1e-6), said[band, sample], aside)
             other, _ = render(

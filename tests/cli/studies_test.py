@@ -152,6 +152,9 @@ at = "/a/b/1"
     program.check("400 %" in Page((out / "report.html").read_text()).text)
     (out / "steps/second/step.json").unlink()
     program.check(go() == ["second"])
+    made = (out / "steps/third/step.json").stat().st_mtime_ns
+    (out / "steps/first/step.json").unlink()  # what builds on it is made of its very run
+    program.check(go() == ["first"] and (out / "steps/third/step.json").stat().st_mtime_ns > made)
     write(folder, "work.py", WORK + "# changed\n")
     program.check(go() == ["first", "second"])
     return text, first
@@ -209,6 +212,9 @@ def refused(folder, text, first):
         (first, "one name"),
         ("[[step]]\nname = 'x'\nrun = ['false']\n", "status 1"),
         ("[[step]]\nname = 'x'\nrun = ['no-such-program']\n", "no-such-program"),
+        ("[[step]]\nname = '../x'\nrun = ['true']\n", "letters"),
+        ("[[figure]]\ntitle = 't'\npictures = ['{later}/p.png']\n", "{later}"),
+        ("[[figure]]\ntitle = 't'\n[[figure.value]]\nname='v'\nfile='{first}/out.json'\nat='/a~2'\n", "no place"),
         ("[[step]]\nname = 'x'\nruns = ['true']\n", "unknown key"),
         ("[[figure]]\ntitle = 't'\npictures = ['{first}/none.png']\n", "none.png"),
         ("[[figure]]\ntitle = 't'\npictures = ['{first}/out.json']\n", "no PNG"),
@@ -278,6 +284,48 @@ name = "z"
         table = list(csv.DictReader(file))
     program.check(len(table) == n * (k + 2) and set(table[0]) == {"x1", "x2", "x3", "y", "z"})
     return max(abs(i["first"] - p / variance) for i, p in zip(told["metrics"][0]["indices"], parts))
+
+
+def batches(folder):
+    """Other points are another batch; text for a number is refused; a metric that hardly varies has no odd interval."""
+    write(
+        folder,
+        "double.py",
+        "import csv, sys\n"
+        "rows = list(csv.DictReader(open(sys.argv[1])))\n"
+        "x = [float(row['x']) for row in rows]\n"
+        "lines = [f'{2 * v},{int(v > 3.9)}' for v in x]\n"
+        "open(sys.argv[2], 'w').write('\\n'.join(['y,rare', *lines, '']))\n",
+    )
+    text = f"""format = 1
+title = "batch"
+method = "sobol"
+base_points = 8
+[[parameter]]
+name = "x"
+from = 0
+to = 4
+[batch]
+run = ["{PYTHON}", "double.py", "{{points}}", "{{results}}"]
+[[metric]]
+name = "y"
+[[metric]]
+name = "rare"
+"""
+    for far in (4, 400):
+        path = write(folder, "batch.toml", text.replace("to = 4", f"to = {far}"))
+        program.run("sweep", path, "-o", folder / "batch", "--no-picture")
+        with open(folder / "batch/sweep.csv") as file:
+            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        program.check(all(row["y"] == 2 * row["x"] for row in rows) and max(r["x"] for r in rows) > far / 2, rows)
+        for metric in json.loads((folder / "batch/sweep.json").read_text())["metrics"]:
+            low, high = metric["indices"][0]["first_95"]
+            program.check((low is None) == (high is None) and (low is None or low <= high), metric["indices"])
+    write(folder, "double.py", "import sys\nopen(sys.argv[2], 'w').write('y,rare\\n' + 'n/a,0\\n' * 24)\n")
+    done = program.run("sweep", path, "-o", folder / "batch", "--no-picture", status=2)
+    program.check("'n/a'" in done.stderr, done.stderr)
+    done = program.run("experiment", folder / "study.toml", "-o", folder / "batch", status=2)
+    program.check("batch.toml" in done.stderr, done.stderr)  # another study's
 
 
 def combinations(folder):
@@ -422,6 +470,7 @@ with tempfile.TemporaryDirectory() as scratch:
     text, first = kept(top)
     killed(top)
     refused(top, text, first)
+    batches(top)
     combinations(top)
     settings(top)
     shipped(top, pathlib.Path(sys.argv[2]))
