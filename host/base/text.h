@@ -1,4 +1,4 @@
-// Text as formats compare it.
+// Text as formats compare and write it.
 #pragma once
 
 #include <cctype>
@@ -10,6 +10,24 @@ namespace raycube::base {
 inline std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
+}
+
+/// As XML and HTML have it between tags and in quotes.
+inline std::string escaped_markup(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
 }
 
 }  // namespace raycube::base

@@ -96,14 +96,6 @@ std::string with_names(const std::string& text, const Names& names, const std::s
   return out;
 }
 
-nlohmann::json::json_pointer pointer_of(const std::string& text, const std::string& where) {
-  try {
-    return nlohmann::json::json_pointer(text);
-  } catch (const nlohmann::json::exception&) {
-    throw base::Error(base::Fault::input, where + ": '" + text + "' is no place in a JSON file; as in /curves/0/area");
-  }
-}
-
 void run_command(const Command& command, const std::string& folder, const std::string& out, const std::string& err) {
   std::vector<std::string> words = command;
   if (words.front() == "raycube") words.front() = std::filesystem::read_symlink("/proc/self/exe").string();

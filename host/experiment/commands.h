@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 namespace raycube::experiment {
 
 using Command = std::vector<std::string>;
@@ -22,8 +20,5 @@ std::vector<std::string> names_in(const std::string& text);
 /// both appended to. Throws Error(check) with the last lines of stderr where it fails, Error(interrupted) after Ctrl-C,
 /// which ends it as well.
 void run_command(const Command& command, const std::string& folder, const std::string& out, const std::string& err);
-
-/// A place in a JSON file (RFC 6901). Throws Error(input) where it is none.
-nlohmann::json::json_pointer pointer_of(const std::string& text, const std::string& where);
 
 }  // namespace raycube::experiment

@@ -3,12 +3,13 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/text.h"
+#include "host/experiment/result_files.h"
 
 namespace raycube::experiment {
 namespace {
@@ -41,23 +42,6 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space:
 @media print { body { max-width: none; font-size: 10pt; } nav { display: none; } }
 )";
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 /// Words between backticks as code.
 std::string with_code(const std::string& text) {
   std::string out;
@@ -79,7 +63,7 @@ std::string paragraphs(const std::string& text) {
   std::istringstream lines(text);
   std::string paragraph;
   const auto end = [&] {
-    if (!paragraph.empty()) out += "<p>" + with_code(escaped(paragraph)) + "</p>\n";
+    if (!paragraph.empty()) out += "<p>" + with_code(base::escaped_markup(paragraph)) + "</p>\n";
     paragraph.clear();
   };
   for (std::string line; std::getline(lines, line);) {
@@ -126,12 +110,12 @@ std::string value_text(const FigureValue& value, const nlohmann::json& found) {
 std::string figure_html(const ToldFigure& told, std::size_t number) {
   const Figure& figure = *told.figure;
   std::string out = fmt::format("<section id=\"f{}\">\n", number);
-  if (!figure.of.empty()) out += "<div class=\"of\">" + escaped(figure.of) + "</div>\n";
-  out += "<h2>" + escaped(figure.title) + "</h2>\n" + paragraphs(figure.text);
+  if (!figure.of.empty()) out += "<div class=\"of\">" + base::escaped_markup(figure.of) + "</div>\n";
+  out += "<h2>" + base::escaped_markup(figure.title) + "</h2>\n" + paragraphs(figure.text);
   if (!told.pictures.empty()) {
     out += fmt::format("<div class=\"pictures of{}\">\n", told.pictures.size());
     for (const std::string& picture : told.pictures)
-      out += fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", escaped(figure.title),
+      out += fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", base::escaped_markup(figure.title),
                          base64(whole(picture, figure.where)));
     out += "</div>\n";
   }
@@ -142,8 +126,9 @@ std::string figure_html(const ToldFigure& told, std::size_t number) {
     if (published) out += "<th class=\"n\">published</th>";
     out += "</tr>\n";
     for (const ToldValue& value : told.values) {
-      out += "<tr><td>" + escaped(value.value->name) + "</td><td class=\"n\">" + escaped(value.text) + "</td>";
-      if (published) out += "<td class=\"n\">" + escaped(value.value->published.value_or("")) + "</td>";
+      out += "<tr><td>" + base::escaped_markup(value.value->name) + "</td><td class=\"n\">" +
+             base::escaped_markup(value.text) + "</td>";
+      if (published) out += "<td class=\"n\">" + base::escaped_markup(value.value->published.value_or("")) + "</td>";
       out += "</tr>\n";
     }
     out += "</table></div>\n";
@@ -155,7 +140,7 @@ std::string figure_html(const ToldFigure& told, std::size_t number) {
 }  // namespace
 
 std::vector<ToldFigure> told_figures(const Experiment& experiment, const Names& folders) {
-  std::map<std::string, nlohmann::json> files;
+  ResultFiles files;
   std::vector<ToldFigure> out;
   for (const Figure& figure : experiment.figures) {
     ToldFigure told;
@@ -166,16 +151,9 @@ std::vector<ToldFigure> told_figures(const Experiment& experiment, const Names& 
         throw base::Error(base::Fault::input, figure.where + ": " + told.pictures.back() + " is no PNG");
     }
     for (const FigureValue& value : figure.values) {
-      const std::string path = with_names(value.file, folders, figure.where);
-      auto [file, fresh] = files.try_emplace(path);
-      if (fresh) file->second = nlohmann::json::parse(whole(path, figure.where), nullptr, false);
-      if (file->second.is_discarded())
-        throw base::Error(base::Fault::input, figure.where + ": " + path + " is no JSON");
-      const auto at = pointer_of(value.at, figure.where);
-      if (!file->second.contains(at))
-        throw base::Error(base::Fault::input, figure.where + ": " + path + " has nothing at " + value.at);
       ToldValue one;
-      one.value = &value, one.found = file->second.at(at);
+      one.value = &value;
+      one.found = files.at(with_names(value.file, folders, figure.where), value.at, figure.where);
       if (one.found.is_number()) one.found = one.found.get<double>() * value.times;
       one.text = value_text(value, one.found);
       told.values.push_back(std::move(one));
@@ -208,14 +186,15 @@ std::string report_html(const Experiment& experiment, const std::vector<ToldFigu
   std::string out =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-      escaped(experiment.title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" +
-      escaped(experiment.title) + "</h1>\n" + paragraphs(experiment.text);
-  if (!experiment.source.empty()) out += "<p class=\"quiet\">Published: " + escaped(experiment.source) + "</p>\n";
+      base::escaped_markup(experiment.title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" +
+      base::escaped_markup(experiment.title) + "</h1>\n" + paragraphs(experiment.text);
+  if (!experiment.source.empty())
+    out += "<p class=\"quiet\">Published: " + base::escaped_markup(experiment.source) + "</p>\n";
   out += "<nav><ol>\n";
   for (std::size_t i = 0; i < figures.size(); ++i)
     out += fmt::format("<li><a href=\"#f{}\">{}{}</a></li>\n", i,
-                       figures[i].figure->of.empty() ? "" : escaped(figures[i].figure->of) + ": ",
-                       escaped(figures[i].figure->title));
+                       figures[i].figure->of.empty() ? "" : base::escaped_markup(figures[i].figure->of) + ": ",
+                       base::escaped_markup(figures[i].figure->title));
   out += "<li><a href=\"#steps\">Steps and times</a></li>\n</ol></nav>\n";
   for (std::size_t i = 0; i < figures.size(); ++i) out += figure_html(figures[i], i);
   double total_s = 0;
@@ -223,8 +202,8 @@ std::string report_html(const Experiment& experiment, const std::vector<ToldFigu
       "<section id=\"steps\"><h2>Steps and times</h2>\n<div class=\"scroll\"><table><tr><th>step</th>"
       "<th class=\"n\">seconds</th><th class=\"n\">of processors</th></tr>\n";
   for (const auto& [name, step] : steps) {
-    out += fmt::format("<tr><td>{}</td><td class=\"n\">{:.1f}</td><td class=\"n\">{:.1f}</td></tr>\n", escaped(name),
-                       step.seconds, step.processor_s);
+    out += fmt::format("<tr><td>{}</td><td class=\"n\">{:.1f}</td><td class=\"n\">{:.1f}</td></tr>\n",
+                       base::escaped_markup(name), step.seconds, step.processor_s);
     total_s += step.seconds;
   }
   out += fmt::format("<tr><td>all</td><td class=\"n\">{:.1f}</td><td></td></tr></table></div>\n", total_s);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "scene_compiler/counter_random.h"
 
 namespace raycube::experiment {
 namespace {
@@ -60,14 +61,6 @@ std::array<std::uint32_t, kBits> directions_of(int dimension) {
     }
   }
   return v;
-}
-
-/// Counter-based: splitmix64 (Steele et al. 2014).
-std::uint64_t hashed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
 }
 
 /// First and total index of one parameter from base points as they are drawn.
@@ -129,7 +122,8 @@ std::vector<SobolIndex> sobol_indices(const std::vector<double>& value, std::uin
     std::vector<std::uint32_t> drawn(base_points);
     for (int r = 0; r < kResamples; ++r) {
       for (std::uint32_t j = 0; j < base_points; ++j)
-        drawn[j] = static_cast<std::uint32_t>(hashed(static_cast<std::uint64_t>(r) * base_points + j) % base_points);
+        drawn[j] = static_cast<std::uint32_t>(scene::counter_uniform(0, static_cast<std::uint64_t>(r), j, 0) *
+                                              static_cast<double>(base_points));
       const auto [s, t] = shares(value, base_points, i, drawn);
       if (std::isfinite(s) && std::isfinite(t)) first.push_back(s), total.push_back(t);  // else none of it varies
     }

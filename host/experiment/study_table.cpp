@@ -165,15 +165,6 @@ void StudyTable::done() {
   }
 }
 
-void require_name(StudyTable& table, const std::string& name) {
-  static const std::set<std::string> taken = {"folder", "here", "points", "results"};
-  bool sound = !name.empty() && taken.count(name) == 0;
-  for (const char c : name) sound = sound && (std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-');
-  if (!sound)
-    table.problem("name", "a name has letters, digits, _ and -, and is not folder, here, points or results",
-                  "'" + name + "'", "choose another");
-}
-
 void StudyTable::throw_if_any() const { state_->problems->throw_if_any(); }
 
 }  // namespace raycube::experiment

@@ -45,8 +45,4 @@ class StudyTable {
   std::shared_ptr<State> state_;
 };
 
-/// Reports a name that no folder can have, or that stands for something else: letters, digits, _ and -; not folder,
-/// here, points, results.
-void require_name(StudyTable& table, const std::string& name);
-
 }  // namespace raycube::experiment

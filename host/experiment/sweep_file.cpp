@@ -5,17 +5,18 @@
 #include <set>
 
 #include "host/experiment/sobol.h"
-#include "host/experiment/study_table.h"
+#include "host/experiment/result_files.h"
+#include "host/experiment/step_reader.h"
 
 namespace raycube::experiment {
 namespace {
 
 constexpr double kMostLevels = 1000, kMostBasePoints = 1 << 20;
 
-Parameter read_parameter(StudyTable& table) {
+Parameter read_parameter(StudyTable& table, std::set<std::string>& known) {
   Parameter out;
   out.name = table.text("name");
-  require_name(table, out.name);
+  take_name(table, out.name, known);
   out.values = table.numbers("values");
   out.range = table.has("from") || table.has("to");
   if (out.range == !out.values.empty())
@@ -40,16 +41,6 @@ Parameter read_parameter(StudyTable& table) {
   out.rest = table.number("rest", out.range ? out.at(0.5) : out.values.empty() ? 0 : out.values[out.values.size() / 2]);
   table.done();
   return out;
-}
-
-StepPlan read_step(StudyTable& table) {
-  StepPlan step;
-  step.where = table.where().text();
-  step.name = table.text("name");
-  require_name(table, step.name);
-  step.commands = table.commands("run"), step.inputs = table.texts("inputs");
-  table.done();
-  return step;
 }
 
 }  // namespace
@@ -79,35 +70,22 @@ Sweep read_sweep(const std::string& file) {
                  "a power of two is best");
   else
     out.base_points = static_cast<std::uint32_t>(points);
-  std::set<std::string> names;
-  for (StudyTable& table : root.tables("parameter")) {
-    out.parameters.push_back(read_parameter(table));
-    if (!names.insert(out.parameters.back().name).second)
-      table.problem("name", "two things have one name", "'" + out.parameters.back().name + "'", "rename one");
-  }
-  for (StudyTable& table : root.tables("step")) {
-    out.steps.push_back(read_step(table));
-    if (!names.insert(out.steps.back().name).second)
-      table.problem("name", "two things have one name", "'" + out.steps.back().name + "'", "rename one");
-  }
-  for (StudyTable& table : root.tables("batch")) {
-    StepPlan step;
-    step.where = table.where().text(), step.name = "batch", step.commands = table.commands("run");
-    step.inputs = table.texts("inputs");
-    table.done();
-    out.batch = std::move(step);
-  }
+  std::set<std::string> known, metrics;
+  for (StudyTable& table : root.tables("parameter")) out.parameters.push_back(read_parameter(table, known));
+  for (StudyTable& table : root.tables("batch"))
+    out.batch = read_commands(table, "batch", {}, {"folder", "here", "points", "results"});
+  for (StudyTable& table : root.tables("step")) out.steps.push_back(read_step(table, known));
   for (StudyTable& table : root.tables("metric")) {
     Metric one;
     one.where = table.where().text();
     one.name = table.text("name");
-    if (one.name.find_first_of(",\"\n") != std::string::npos || !names.insert("metric " + one.name).second)
+    if (one.name.find_first_of(",\"\n") != std::string::npos || !metrics.insert(one.name).second)
       table.problem("name", "a metric's name has no comma, and is the only one of its kind", "'" + one.name + "'",
                     "rename it");
     one.unit = table.text("unit", ""), one.times = table.number("times", 1);
     if (!out.batch) one.file = table.text("file"), one.at = table.text("at");
-    if (!out.batch && !one.at.empty() && one.at.front() != '/')
-      table.problem("at", "a place in a JSON file begins with /", one.at, "as in /curves/0/auc (RFC 6901)");
+    check_names(table, one.file, known);
+    check_place(table, "at", one.at);
     table.done();
     out.metrics.push_back(std::move(one));
   }

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
 #include "host/base/output_file.h"
+#include "host/experiment/result_files.h"
 #include "host/experiment/sobol.h"
 
 namespace raycube::experiment {
@@ -28,23 +28,57 @@ std::string point_text(const Sweep& sweep, const std::vector<double>& point) {
   return out;
 }
 
-double metric_of(const Metric& metric, const Names& folders, std::map<std::string, nlohmann::json>& files) {
+double metric_of(const Metric& metric, const Names& folders, ResultFiles& files) {
   const std::string path = with_names(metric.file, folders, metric.where);
-  const auto [file, fresh] = files.try_emplace(path);
-  if (fresh) {
-    std::ifstream in(path);
-    if (!in)
-      throw base::Error(base::Fault::input, metric.where + ": " + path + " is not there; is its step among the steps?");
-    file->second = nlohmann::json::parse(in, nullptr, false);
-  }
-  const auto at = pointer_of(metric.at, metric.where);
-  if (file->second.is_discarded() || !file->second.contains(at))
-    throw base::Error(base::Fault::input, metric.where + ": " + path + " has nothing at " + metric.at);
-  const nlohmann::json& found = file->second.at(at);
+  const nlohmann::json& found = files.at(path, metric.at, metric.where);
   if (found.is_null()) return std::numeric_limits<double>::quiet_NaN();
   if (!found.is_number())
     throw base::Error(base::Fault::input, metric.where + ": " + path + " has no number at " + metric.at);
   return found.get<double>() * metric.times;
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> out;
+  std::istringstream cells(line);
+  for (std::string cell; std::getline(cells, cell, ',');)
+    out.push_back(cell.substr(0, cell.find_last_not_of("\r ") + 1));
+  return out;
+}
+
+/// Metrics by their columns, a row a point; an empty cell is no number.
+std::vector<std::vector<double>> read_results(const Sweep& sweep, const std::string& path, std::size_t points) {
+  std::ifstream results(path);
+  std::vector<std::vector<double>> out;
+  std::string line;
+  std::getline(results, line);
+  const std::vector<std::string> header = cells_of(line);
+  std::vector<std::size_t> column;
+  for (const Metric& metric : sweep.metrics) {
+    const auto found = std::find(header.begin(), header.end(), metric.name);
+    if (found == header.end())
+      throw base::Error(base::Fault::input, metric.where + ": " + path + " has no column " + metric.name);
+    column.push_back(static_cast<std::size_t>(found - header.begin()));
+  }
+  while (std::getline(results, line)) {
+    const std::vector<std::string> row = cells_of(line);
+    auto& values = out.emplace_back();
+    for (std::size_t m = 0; m < column.size(); ++m) {
+      const std::string cell = column[m] < row.size() ? row[column[m]] : std::string();
+      char* end = nullptr;
+      const double value = std::strtod(cell.c_str(), &end);
+      if (*end != '\0')
+        throw base::Error(base::Fault::input,
+                          fmt::format("{}, row {}: '{}' under {} is no number; leave it empty where "
+                                      "there is none",
+                                      path, out.size(), cell, sweep.metrics[m].name));
+      values.push_back(cell.empty() ? std::numeric_limits<double>::quiet_NaN() : value * sweep.metrics[m].times);
+    }
+  }
+  if (out.size() != points)
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("{} has {} rows for {} points; a row is due for each, in their order", path, out.size(), points));
+  return out;
 }
 
 /// All points by one command: a CSV of the parameters in, a CSV of the metrics out.
@@ -53,60 +87,16 @@ std::vector<std::vector<double>> run_batch(const Sweep& sweep, const std::vector
   Sweep bare = sweep;
   bare.metrics.clear();
   const std::string table = steps.folder() + "/points.csv";
-  base::write_output_file(table, sweep_csv(bare, points, std::vector<std::vector<double>>(points.size())),
-                          base::IfExists::replace);
   StepPlan step = *sweep.batch;
-  std::ifstream in(table);
-  std::ostringstream text;
-  text << in.rdbuf();
-  step.more = text.str();
+  step.more = sweep_csv(bare, points, std::vector<std::vector<double>>(points.size()));
+  base::write_output_file(table, step.more, base::IfExists::replace);
   const Names names = {{"points", table}};
   for (Command& command : step.commands)
     for (std::string& word : command)
       if (const std::size_t at = word.find("{results}"); at != std::string::npos)
         word.replace(at, 9, "{folder}/results.csv");
   const KeptStep made = steps.make(step, names, true);
-  std::ifstream results(made.folder + "/results.csv");
-  std::vector<std::vector<double>> out;
-  std::string line;
-  std::vector<std::size_t> column;
-  if (std::getline(results, line)) {
-    std::vector<std::string> header;
-    std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, ',');)
-      header.push_back(cell.substr(0, cell.find_last_not_of("\r ") + 1));
-    for (const Metric& metric : sweep.metrics) {
-      const auto found = std::find(header.begin(), header.end(), metric.name);
-      if (found == header.end())
-        throw base::Error(base::Fault::input,
-                          metric.where + ": " + made.folder + "/results.csv has no column " + metric.name);
-      column.push_back(static_cast<std::size_t>(found - header.begin()));
-    }
-  }
-  while (std::getline(results, line)) {
-    std::vector<std::string> row;
-    std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
-    auto& values = out.emplace_back();
-    for (std::size_t m = 0; m < column.size(); ++m) {
-      const std::string cell = column[m] < row.size() ? row[column[m]] : std::string();
-      char* end = nullptr;
-      const double value = std::strtod(cell.c_str(), &end);
-      if (end == cell.c_str() ? cell.find_first_not_of(" \r") != std::string::npos : *end != '\0' && *end != '\r')
-        throw base::Error(
-            base::Fault::input,
-            fmt::format("{}/results.csv, row {}: '{}' under {} is no number; leave it empty where there is "
-                        "none",
-                        made.folder, out.size(), cell, sweep.metrics[m].name));
-      values.push_back(end == cell.c_str() ? std::numeric_limits<double>::quiet_NaN() : value * sweep.metrics[m].times);
-    }
-  }
-  if (out.size() != points.size())
-    throw base::Error(base::Fault::input,
-                      fmt::format("{}/results.csv has {} rows for {} points; a row is due for each, in their "
-                                  "order",
-                                  made.folder, out.size(), points.size()));
-  return out;
+  return read_results(sweep, made.folder + "/results.csv", points.size());
 }
 
 nlohmann::ordered_json number_or_null(double value) {
@@ -149,7 +139,7 @@ std::vector<std::vector<double>> run_points(const Sweep& sweep, const std::vecto
     const Names names = names_of(sweep, point);
     try {
       for (const StepPlan& step : sweep.steps) steps.make(step, names, true);
-      std::map<std::string, nlohmann::json> files;
+      ResultFiles files;
       auto& row = out.emplace_back();
       Names folders = steps.folders();
       folders.insert(names.begin(), names.end());

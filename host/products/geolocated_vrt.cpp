@@ -3,26 +3,10 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/text.h"
 
 namespace raycube::products {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 const char* gdal_type(int envi_code) {
   switch (envi_code) {
@@ -52,7 +36,7 @@ std::string geolocated_vrt(const EnviHeader& header, const std::string& image, c
       fmt::format("<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n  <Metadata domain=\"GEOLOCATION\">\n",
                   header.samples, header.lines);
   const auto item = [&](const char* key, const std::string& value) {
-    out += fmt::format("    <MDI key=\"{}\">{}</MDI>\n", key, escaped(value));
+    out += fmt::format("    <MDI key=\"{}\">{}</MDI>\n", key, base::escaped_markup(value));
   };
   item("SRS", wkt);
   for (const char axis : {'X', 'Y'}) {
@@ -66,13 +50,13 @@ std::string geolocated_vrt(const EnviHeader& header, const std::string& image, c
   out += "  </Metadata>\n";
   for (std::size_t b = 0; b < static_cast<std::size_t>(header.bands); ++b) {
     out += fmt::format("  <VRTRasterBand dataType=\"{}\" band=\"{}\">\n    <Description>{}</Description>\n",
-                       gdal_type(header.data_type), b + 1, escaped(name_of(header, b)));
+                       gdal_type(header.data_type), b + 1, base::escaped_markup(name_of(header, b)));
     if (b < header.data_gain.size()) out += fmt::format("    <Scale>{:.17g}</Scale>\n", header.data_gain[b]);
     if (b < header.data_offset.size()) out += fmt::format("    <Offset>{:.17g}</Offset>\n", header.data_offset[b]);
     out += fmt::format(
         "    <SimpleSource><SourceFilename relativeToVRT=\"1\">{}</SourceFilename><SourceBand>{}</SourceBand>"
         "</SimpleSource>\n  </VRTRasterBand>\n",
-        escaped(image), b + 1);
+        base::escaped_markup(image), b + 1);
   }
   return out + "</VRTDataset>\n";
 }

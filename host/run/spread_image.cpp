@@ -17,8 +17,7 @@ constexpr std::size_t kMostKept_bytes = 128u << 20;  ///< of weights that each p
 }  // namespace
 
 SpreadImage::SpreadImage(const scene::Simulation& simulation, const CameraJob& job, int threads, render::StripSink sink)
-    : simulation_(simulation),
-      cells_(*job.cells),
+    : cells_(*job.cells),
       sink_(std::move(sink)),
       threads_(threads),
       columns_(render_plan(job)->columns()),
@@ -37,9 +36,9 @@ SpreadImage::SpreadImage(const scene::Simulation& simulation, const CameraJob& j
   along_ = weights_of(1, 0);
   const auto pixels = static_cast<std::size_t>(cells_.seen.pixels);
   const std::size_t own = cells_.most_keystone_px > 0 ? pixels : 1;
-  if (own * along_.columns * static_cast<std::size_t>(terms_) * static_cast<std::size_t>(2 * half_[0] + 1) *
-          sizeof(float) >
-      kMostKept_bytes)
+  if (own > 1 && own * along_.columns * static_cast<std::size_t>(terms_) * static_cast<std::size_t>(2 * half_[0] + 1) *
+                         sizeof(float) >
+                     kMostKept_bytes)
     return;
   across_.resize(own);
   base::for_each_index(own, threads_, [&](std::size_t p) { across_[p] = weights_of(0, static_cast<int>(p)); });

@@ -63,7 +63,6 @@ class SpreadImage {
   int last_cell_of(int pixel_line) const;
   void send(int pixel_line, const PixelLine& line);
 
-  const scene::Simulation& simulation_;
   const sensors::Cells& cells_;
   render::StripSink sink_;
   int threads_;

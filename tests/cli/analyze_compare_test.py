@@ -10,6 +10,7 @@ import scipy.stats
 
 from analysis_kit import Analysis, layers, values, write_cube
 from driver import Program
+from optics_kit import HEAD, camera, with_origin
 
 program = Program(sys.argv[1])
 analysis = Analysis(program)
@@ -108,45 +109,19 @@ def scores(folder):
     program.refused("analyze", "scorecard", a, "--other", few, "-o", folder / "no", status=2, says=["must be the same"])
 
 
-SCENE = """format = 1
-[scene]
-origin = { epsg = 32618, easting_m = 276000.0, northing_m = 4753000.0, height_m = 180.0 }
-[atmosphere]
-model = "none"
-[time.sun]
-zenith_deg = 30.0
-azimuth_deg = 90.0
-[[material]]
-name = "ground"
-reflectance = 0.3
-[[plane]]
-material = "ground"
-size_m = [400.0, 400.0]
-[[box]]
-material = "ground"
+BOX = """[[box]]
+material = "grey"
 size_m = [6.0, 6.0, 12.0]
 position_m = [4.0, -3.0, 0.0]
-"""
-CAMERA = """[[instrument]]
-name = "%s"
-kind = "framing"
-pixels = %d
-lines = %d
-altitude_agl_m = 500.0
-center_m = [%r, %r]
-heading_deg = %r
-gsd_m = %r
-samples = { grid = [8, 8] }
-bands = { first_nm = 550.0, step_nm = 10.0, count = 1, fwhm_nm = 10.0 }
 """
 
 
 def located(folder):
     """Two cameras of other scales, places and headings over level ground: the plane's own map from one to the other.
     Where a box stands, one sees its far side's ground and the other does not."""
-    one = (60, 50, 0.0, 0.0, 0.0, 1.0)
-    two = (240, 200, 7.0, -4.0, 30.0, 0.3)
-    (folder / "two.toml").write_text(SCENE + CAMERA % ("a", *one) + CAMERA % ("b", *two))
+    one = camera("a", 60, 50, altitude_agl_m=500.0)
+    two = camera("b", 240, 200, altitude_agl_m=500.0, center_m="[7.0, -4.0]", heading_deg=30.0, gsd_m=0.3)
+    (folder / "two.toml").write_text(with_origin(HEAD) + BOX + one + two)
     program.run("render", folder / "two.toml", "-o", folder / "two", "--overwrite", "-q", "-q")
     for file in ("truth.img", "location.img"):
         numbers = analyze(folder, "locate", folder / f"two/a/{file}", "--other", folder / f"two/b/{file}", picture=True)
@@ -188,9 +163,44 @@ def located(folder):
     )
 
 
+def places(folder, name, x, y, z):
+    """A truth cube of these places, [line][sample]."""
+    cube = np.stack([x, y, z], 2)
+    return write_cube(folder / f"{name}.img", cube, dtype="f8", band_names="{x_m [m], y_m [m], z_m [m]}")
+
+
+def sparse_and_hidden(folder):
+    """Of an image that mostly sees no ground what it sees is found; of oblong pixels too. Ground behind a block's roof
+    is not found, whatever the way is from roof to ground."""
+    y, x = np.mgrid[0:40, 0:60].astype(float)
+    first = places(folder, "first", x, y, 0 * x)
+    wide_y, wide_x = np.mgrid[-200:240, -200:260].astype(float)
+    outside = (wide_x < -1) | (wide_x > 60) | (wide_y < -1) | (wide_y > 40)
+    for hole in (np.where(outside, np.nan, wide_x), wide_x):
+        second = places(folder, "second", hole, np.where(np.isnan(hole), np.nan, wide_y), 0 * hole)
+        found = analyze(folder, "locate", first, "--other", second, picture=True)
+        sample, line = layers(folder, "locate")
+        program.check(found["found"] == x.size and np.allclose(sample, x + 200) and np.allclose(line, y + 200), found)
+    long_y, long_x = np.mgrid[-1:3, -5:65].astype(float)
+    second = places(folder, "second", long_x, 20 * long_y, 0 * long_x)
+    analyze(folder, "locate", first, "--other", second, picture=True)
+    sample, line = layers(folder, "locate")
+    program.check(np.allclose(sample, x + 5) and np.allclose(line, y / 20 + 1))
+    lines, samples = np.mgrid[0:40, 0:100].astype(float)
+    roof = (samples >= 50) & (samples < 70)
+    second = places(folder, "second", samples + 10 * (samples >= 70), lines, 30.0 * roof)
+    y, x = np.mgrid[0:40, 0:105].astype(float)
+    analyze(folder, "locate", places(folder, "first", x, y, 0 * x), "--other", second, picture=True)
+    sample, _ = layers(folder, "locate")
+    hidden = (x >= 52) & (x <= 78)
+    program.check(np.isnan(sample[hidden]).all(), np.argwhere(np.isfinite(sample) & hidden)[:4])
+    program.check(np.allclose(sample[x < 50], x[x < 50]) and np.allclose(sample[x > 80], x[x > 80] - 10))
+
+
 with tempfile.TemporaryDirectory() as name:
     top = pathlib.Path(name)
     of_other_sizes(top, *shifts(top))
     scores(top)
     located(top)
+    sparse_and_hidden(top)
     print(f"analyze compare: {program.checks} checks")

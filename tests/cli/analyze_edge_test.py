@@ -13,6 +13,7 @@ from scipy.special import erf
 
 from analysis_kit import Analysis, layers, values, write_cube
 from driver import Program
+from optics_kit import HEAD, camera, panel, render
 
 program = Program(sys.argv[1])
 analyze = Analysis(program).run
@@ -169,40 +170,10 @@ def noisy(folder):
 
 def rendered(folder):
     """A panel's edge under a camera with a point spread: pixel box and Gaussian."""
-    (folder / "edge.toml").write_text("""format = 1
-[atmosphere]
-model = "none"
-[time.sun]
-zenith_deg = 30.0
-azimuth_deg = 90.0
-day_of_year = 180
-[[material]]
-name = "dark"
-reflectance = 0.05
-[[material]]
-name = "bright"
-reflectance = 0.8
-[[plane]]
-material = "dark"
-size_m = [400.0, 400.0]
-[[plane]]
-material = "bright"
-size_m = [200.0, 200.0]
-position_m = [100.0, 0.0, 0.01]
-yaw_deg = 6.0
-[[instrument]]
-name = "camera"
-kind = "framing"
-pixels = 64
-lines = 64
-altitude_agl_m = 2000.0
-gsd_m = 1.0
-samples = { grid = [48, 48] }
-psf = { sigma_px = 0.45, support_px = 5.0 }
-bands = { first_nm = 550.0, step_nm = 100.0, count = 2, fwhm_nm = 10.0 }
-""")
-    program.run("render", folder / "edge.toml", "-o", folder / "out", "-q", "-q")
-    numbers = analyze(folder, "edge", folder / "out/camera/radiance.img", "--region", "e=0:63,0:63", picture=True)
+    bands = "first_nm = 550.0, step_nm = 100.0, count = 2"
+    spread = {"samples": "{ grid = [48, 48] }", "psf": "{ sigma_px = 0.45, support_px = 5.0 }"}
+    _, out = render(program, folder, HEAD + panel("bright", (200, 200), (100, 0), 6.0) + camera(bands=bands, **spread))
+    numbers = analyze(folder, "edge", out / "radiance.img", "--region", "e=0:63,0:63", picture=True)
     f, a = np.asarray(numbers["frequency_cycles_per_px"]), math.radians(6)
     expected = np.exp(-2 * np.pi**2 * 0.45**2 * f * f) * np.sinc(f * math.cos(a)) * np.sinc(f * math.sin(a))
     for one in numbers["edges"]:

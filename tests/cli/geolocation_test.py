@@ -9,19 +9,17 @@ import tempfile
 import numpy as np
 
 from driver import Program, envi
-from optics_kit import HEAD, camera, panel
+from optics_kit import HEAD, camera, panel, with_origin
 
 program = Program(sys.argv[1])
 EASTING, NORTHING = 276000.0, 4753000.0
-ORIGIN = f"[scene]\norigin = {{ epsg = 32618, easting_m = {EASTING}, northing_m = {NORTHING}, height_m = 100.0 }}\n"
 SIDE_M, MIDDLE = 24.0, (30.0, 160.0)
 
 
 def on_map(folder, **more):
     """The first band on a grid of half a metre, and the places of its pixels."""
     keys = {"pitch_deg": 20.0, "heading_deg": 25.0, "altitude_agl_m": 500.0} | more
-    text = HEAD.replace("bounces = 0\n", "bounces = 0\n" + ORIGIN)
-    text = text.replace("[400.0, 400.0]", "[1200.0, 1200.0]")
+    text = with_origin(HEAD).replace("[400.0, 400.0]", "[1200.0, 1200.0]")
     text += panel("bright", (SIDE_M, SIDE_M), MIDDLE)
     text += camera(pixels=150, lines=150, bands="first_nm = 550.0, step_nm = 100.0, count = 2", **keys)
     (folder / "scene.toml").write_text(text)

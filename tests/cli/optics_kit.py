@@ -1,4 +1,4 @@
-"""What tests of focal planes and sensors share: level scenes of panels, cameras, renders."""
+"""What tests of cameras over level scenes share: panels, cameras, renders."""
 
 from driver import envi
 
@@ -23,6 +23,12 @@ reflectance = 0.4
 material = "dark"
 size_m = [400.0, 400.0]
 """
+
+
+def with_origin(head):
+    """On the map: EPSG:32618, its corner at 276 000, 4 753 000."""
+    origin = "[scene]\norigin = { epsg = 32618, easting_m = 276000.0, northing_m = 4753000.0, height_m = 100.0 }\n"
+    return head.replace("bounces = 0\n", "bounces = 0\n" + origin)
 
 
 def panel(material, size, place, yaw=0.0):

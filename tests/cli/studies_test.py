@@ -20,6 +20,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from driver import Program
+from optics_kit import HEAD, camera
 
 program = Program(sys.argv[1])
 PYTHON = sys.executable
@@ -388,30 +389,8 @@ times = 2
     runs(folder)
 
 
-SCENE = """format = 1
-[atmosphere]
-model = "none"
-[time.sun]
-zenith_deg = 30.0
-azimuth_deg = 90.0
-[[material]]
-name = "ground"
-reflectance = 0.3
-[[plane]]
-material = "ground"
-size_m = [400.0, 400.0]
-[[instrument]]
-name = "camera"
-%s
-"""
-SENSOR = """kind = "framing"
-pixels = 6
-lines = 5
-altitude_agl_m = 500.0
-gsd_m = 1.0
-samples = { grid = [2, 2] }
-bands = { first_nm = 550.0, step_nm = 10.0, count = 1, fwhm_nm = 10.0 }
-"""
+PLAIN = HEAD + camera(pixels=6, lines=5, altitude_agl_m=500.0, samples="{ grid = [2, 2] }")
+NAMED = '[[instrument]]\nname = "camera"\n'
 
 
 def settings(folder):
@@ -422,19 +401,22 @@ def settings(folder):
         done = program.run("render", path, "-o", folder / "set", "--overwrite", "-q", "-q", *more, status=status)
         return (folder / "set/camera/radiance.img").read_bytes() if status == 0 else done.stderr
 
-    plain = SCENE % SENSOR
-    edited = image(plain.replace("reflectance = 0.3", "reflectance = 0.4").replace("pixels = 6", "pixels = 9"))
-    over = ("--set", "material.ground.reflectance=0.4")
+    plain, sensor = PLAIN, PLAIN.split(NAMED)[1]
+    apart = HEAD + NAMED + 'sensor = "sensor.toml"\n'
+    edited = image(plain.replace("reflectance = 0.05", "reflectance = 0.4").replace("pixels = 6", "pixels = 9"))
+    over = ("--set", "material.dark.reflectance=0.4")
     program.check(image(plain, *over, "--set", "instrument.camera.pixels=9") == edited)
     program.check(image(plain, *over, "--set", "instrument.0.pixels = 9") == edited)
-    write(folder, "sensor.toml", "format = 1\n" + SENSOR)
-    program.check(image(SCENE % 'sensor = "sensor.toml"', *over, "--set", "instrument.camera.pixels=9") == edited)
+    write(folder, "sensor.toml", "format = 1\n" + sensor)
+    program.check(image(apart, *over, "--set", "instrument.camera.pixels=9") == edited)
     bands = ("--set", "instrument.camera.bands.count=2")
-    program.check(len(image(SCENE % 'sensor = "sensor.toml"', *bands)) == 2 * 6 * 5 * 4)
-    write(folder, "part.toml", "format = 1\n[time.sun]\nzenith_deg = 30.0\nazimuth_deg = 90.0\n")
-    apart = plain.replace("[time.sun]\nzenith_deg = 30.0\nazimuth_deg = 90.0\n", '[scene]\ninclude = ["part.toml"]\n')
+    program.check(len(image(apart, *bands)) == 2 * 6 * 5 * 4)
+    write(folder, "part.toml", "format = 1\n[time.sun]\nzenith_deg = 30.0\nazimuth_deg = 90.0\nday_of_year = 180\n")
+    included = plain.replace(
+        "[time.sun]\nzenith_deg = 30.0\nazimuth_deg = 90.0\nday_of_year = 180\n", '[scene]\ninclude = ["part.toml"]\n'
+    )
     turned = image(plain.replace("zenith_deg = 30.0", "zenith_deg = 60.0"))
-    program.check(image(apart, "--set", "time.sun.zenith_deg=60.0") == turned)
+    program.check(image(included, "--set", "time.sun.zenith_deg=60.0") == turned)
     told = json.loads((folder / "set/camera/run.json").read_text())["configuration"]
     image(plain, "--set", "tolerance=0.02")
     after = json.loads((folder / "set/camera/run.json").read_text())["configuration"]
