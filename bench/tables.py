@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, trace_once, mitsuba, bounces,
-park_bounced, scaling, leaf_level, flops, planner, waits, analysis)
+park_bounced, scaling, leaf_level, flops, planner, waits, analysis, lidar_run)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
 PART -->` and `<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it
@@ -227,6 +227,10 @@ def main(parts):
         found = json.loads((ROOT / "build/bench/analysis.json").read_text())
         figures.update(found)
         texts["analysis"] = analysis(found)
+    if "lidar_run" in parts:
+        data = json.loads((ROOT / "build/bench/lidar_run.json").read_text())
+        figures.update(data["keys"])
+        texts["lidar_run"] = data["text"]
     if "planner" in parts:
         figures.update(json.loads((ROOT / "build/bench/planner.json").read_text())["keys"])
         texts["planner"] = (ROOT / "build/bench/planner.md").read_text()

@@ -81,7 +81,7 @@ void BlockHashes::write_in_block(std::uint64_t number, std::uint64_t offset, con
                                  std::size_t bytes) {
   Block& block = blocks_[number];
   const std::uint64_t start = number * kHashBlock_bytes;
-  if (!block.scattered && offset == start + block.in_order) {
+  if (!rewritten_ && !block.scattered && offset == start + block.in_order) {
     block.sha.add(data, bytes);
     block.in_order += bytes;
     return;

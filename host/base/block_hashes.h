@@ -35,6 +35,9 @@ class BlockHashes {
 
   BlockHashes(std::string path, ReadBack read_back) : path_(std::move(path)), read_back_(std::move(read_back)) {}
 
+  /// Blocks will be written again: none is hashed on the way, which would be for nothing.
+  void expect_rewriting() { rewritten_ = true; }
+
   /// Before the bytes go to the file, which still holds what they replace.
   void about_to_write(std::uint64_t offset, const void* data, std::size_t bytes);
   /// Of the first `bytes` of the file, all that was written. Places never written are zeros. Throws
@@ -59,6 +62,7 @@ class BlockHashes {
 
   std::string path_;
   ReadBack read_back_;
+  bool rewritten_ = false;
   std::vector<Block> blocks_;
 };
 

@@ -204,6 +204,10 @@ void OutputFile::hash_blocks() {
   });
 }
 
+void OutputFile::expect_rewriting() {
+  if (state_->hashes) state_->hashes->expect_rewriting();
+}
+
 FileHashes OutputFile::hashes() {
   if (!state_->hashes) throw Error(Fault::bug, final_path() + ": nobody asked for its hashes");
   return state_->hashes->finish(size());

@@ -37,6 +37,8 @@ class OutputFile {
   void append(std::string_view text) { append(text.data(), text.size()); }
   /// From here on keeps the hashes of all blocks written; to be called before the first byte.
   void hash_blocks();
+  /// Its bytes are written again before it is whole: hashes are made of them in the end.
+  void expect_rewriting();
   /// Of the whole file, as hash_blocks() wants; call it after the last byte.
   FileHashes hashes();
   /// Writes at a byte offset. Thread-safe for disjoint ranges; one after the other where blocks are hashed.

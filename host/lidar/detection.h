@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "host/lidar/lidar_plan.h"
@@ -61,13 +62,30 @@ struct Detection {
   DetectionTruth truth;
 };
 
-/// Records of a shot in the order [pixel][line]. Background light takes part where the shot has it and the detector
-/// asks for it. linear with full_scale_e = 0: the full scale of a record is the power of two above its largest
-/// expectation plus six sigma, so that a survey needs few waveform descriptors.
-std::vector<Detection> detect(const LidarPlan& plan, const ShotResult& shot);
+/// Makes records of shots, one after the other in one thread: its memory and its thresholds are kept from one to the
+/// next.
+class Detecting {
+ public:
+  explicit Detecting(const LidarPlan& plan);
+  ~Detecting();
+  Detecting(Detecting&&) noexcept;
 
-/// Echoes of the expectations themselves (photo-electrons, no noise drawn), thresholds as for detect(): truth, or a
-/// quick look.
+  /// Records of a shot in the order [pixel][line], in place of what `records` holds. Background light takes part where
+  /// the shot has it and the detector asks for it. linear with full_scale_e = 0: the full scale of a record is the
+  /// power of two above its largest expectation plus six sigma, so that a survey needs few waveform descriptors.
+  void detect(const ShotResult& shot, std::vector<Detection>& records);
+
+  /// Echoes of the expectations themselves (photo-electrons, no noise drawn), thresholds as for detect(): truth, or a
+  /// quick look.
+  void expect(const ShotResult& shot, std::vector<Detection>& records);
+
+ private:
+  class Row;
+  std::unique_ptr<Row> row_;
+};
+
+/// The same for one shot alone.
+std::vector<Detection> detect(const LidarPlan& plan, const ShotResult& shot);
 std::vector<Detection> expected_detections(const LidarPlan& plan, const ShotResult& shot);
 
 }  // namespace raycube::lidar

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/base/units.h"
+#include "host/base/wide.h"
 #include "host/lidar/incomplete_gamma.h"
 #include "host/lidar/speckle.h"
 
@@ -36,10 +37,8 @@ double gamma_tail(double value, double sigma, double skewness) {
 double linear_tail(const DetectorNoise& noise, double air, double value) {
   const double squares = square(noise.rms(air)) + (noise.air_modes > 0 ? square(air) / noise.air_modes : 0);
   if (!(squares > 0)) return value > 0 ? 0 : 1;
-  double cubes = 0;
-  for (const double share : noise.response) cubes += share * share * share;
   const double avalanches = squares - square(noise.floor),
-               third = cubes * (noise.background + air) * noise.excess * (2 * noise.excess - 1);
+               third = noise.cubes * (noise.background + air) * noise.excess * (2 * noise.excess - 1);
   const double sigma = std::sqrt(std::max(avalanches, 0.0)), skewness = sigma > 0 ? third / (avalanches * sigma) : 0;
   if (noise.gaussian || skewness < 1e-3) return normal_tail(value / std::sqrt(squares));
   if (!(noise.floor > 1e-3 * sigma)) return gamma_tail(value, std::sqrt(squares), skewness);
@@ -86,6 +85,10 @@ double threshold_about(const scene::Lidar& lidar, const DetectorNoise& noise, do
   return std::max(linear_threshold(noise, air), echoes.threshold_pe);
 }
 
+RAYCUBE_WIDE void add_scaled(double factor, const double* from, double* to, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += factor * from[i];
+}
+
 }  // namespace
 
 double excess_noise(double gain, double ionization_ratio) {
@@ -97,8 +100,6 @@ double linear_variance(double counts, double excess, double readout_e, double ga
 }
 
 double DetectorNoise::rms(double signal) const {
-  double squares = 0;
-  for (const double share : response) squares += share * share;
   return std::sqrt(excess * (signal + background) * squares + square(floor));
 }
 
@@ -116,19 +117,18 @@ std::vector<double> response_taps(double response_fwhm_s, double bin_s) {
   return taps;
 }
 
-std::vector<double> convolve(const std::vector<double>& row, const std::vector<double>& taps) {
-  if (taps.size() == 1) return row;
-  // Tap by tap over the whole row: a loop that compilers turn into vector instructions.
-  const auto reach = static_cast<std::ptrdiff_t>(taps.size() / 2), count = static_cast<std::ptrdiff_t>(row.size());
-  std::vector<double> out(row.size(), 0.0);
-  for (std::ptrdiff_t k = -reach; k <= reach; ++k) {
-    const double tap = taps[static_cast<std::size_t>(k + reach)];
-    const double* const from = row.data();
-    double* const to = out.data();
-    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, k), end = std::min(count, count + k); i < end; ++i)
-      to[i] += tap * from[i - k];
+std::array<std::size_t, 2> convolve(const double* row, std::size_t begin, std::size_t end, std::size_t bins,
+                                    const std::vector<double>& taps, double* to) {
+  const std::size_t reach = taps.size() / 2, from = begin - std::min(begin, reach), past = std::min(bins, end + reach);
+  if (begin >= end) return {begin, begin};
+  std::fill(to + from, to + past, 0.0);
+  // Tap by tap over the row: a loop that becomes vector instructions.
+  for (std::size_t k = 0; k < taps.size(); ++k) {
+    const std::size_t first = std::max(begin, reach - std::min(reach, k)),
+                      last = std::min(end, bins + reach - std::min(bins + reach, k));
+    if (first < last) add_scaled(taps[k], row + first, to + (first + k - reach), last - first);
   }
-  return out;
+  return {from, past};
 }
 
 double recorded_sigma_s(const scene::Lidar& lidar) {
@@ -154,26 +154,57 @@ double recorded_sigma_s(const scene::Lidar& lidar) {
   return std::sqrt(variance);
 }
 
-DetectorNoise detector_noise(const scene::Lidar& lidar, double background, double largest_signal) {
+NoiseOfRecords::NoiseOfRecords(const scene::Lidar& lidar) : lidar_(lidar) {
   const scene::LidarDetector& detector = lidar.detector;
-  DetectorNoise noise;
-  noise.background = background;
   if (detector.mode == scene::DetectorMode::linear) {
-    noise.excess = excess_noise(detector.gain, detector.ionization_ratio);
-    noise.floor = detector.readout_noise_e / detector.gain;
-    noise.response = response_taps(detector.response_fwhm_s, lidar.gate.bin_s);
-    noise.full_scale = detector.full_scale_e;
-    if (!(noise.full_scale > 0))
-      noise.full_scale =
-          std::exp2(std::ceil(std::log2(std::max(1.0, background + largest_signal + 6 * noise.rms(largest_signal)))));
-    const double step = noise.full_scale / (std::exp2(detector.bits) - 1);
-    noise.floor = std::hypot(noise.floor, step / std::sqrt(12.0));
+    noise_.excess = excess_noise(detector.gain, detector.ionization_ratio);
+    noise_.response = response_taps(detector.response_fwhm_s, lidar.gate.bin_s);
+    noise_.squares = noise_.cubes = 0;
+    for (const double share : noise_.response) noise_.squares += share * share, noise_.cubes += share * share * share;
   }
-  noise.gaussian = !(lidar.echoes.false_returns > 0);
-  noise.bin_chance = noise.gaussian ? normal_tail(lidar.echoes.threshold_sigma)
-                                    : std::min(0.5, lidar.echoes.false_returns / lidar.gate.bins);
-  noise.threshold = threshold_about(lidar, noise, 0);
-  return noise;
+  noise_.gaussian = !(lidar.echoes.false_returns > 0);
+  noise_.bin_chance = noise_.gaussian ? normal_tail(lidar.echoes.threshold_sigma)
+                                      : std::min(0.5, lidar.echoes.false_returns / lidar.gate.bins);
+}
+
+const DetectorNoise& NoiseOfRecords::of(double background, double largest_signal) {
+  const scene::LidarDetector& detector = lidar_.detector;
+  noise_.background = background;
+  if (detector.mode == scene::DetectorMode::linear) {
+    noise_.floor = detector.readout_noise_e / detector.gain;
+    noise_.full_scale = detector.full_scale_e;
+    if (!(noise_.full_scale > 0))
+      noise_.full_scale =
+          std::exp2(std::ceil(std::log2(std::max(1.0, background + largest_signal + 6 * noise_.rms(largest_signal)))));
+    const double step = noise_.full_scale / (std::exp2(detector.bits) - 1);
+    noise_.floor = std::hypot(noise_.floor, step / std::sqrt(12.0));
+  }
+  for (const Known& known : known_)
+    if (known.background == background && known.full_scale == noise_.full_scale) {
+      noise_.threshold = known.threshold, noise_.alarms = known.alarms;
+      return noise_;
+    }
+  noise_.threshold = threshold_about(lidar_, noise_, 0);
+  noise_.alarms = alarm_chance(lidar_, noise_, 0);
+  constexpr std::size_t kKept = 32;
+  const Known fresh{background, noise_.full_scale, noise_.threshold, noise_.alarms};
+  if (known_.size() < kKept)
+    known_.push_back(fresh);
+  else
+    known_[oldest_++ % kKept] = fresh;
+  return noise_;
+}
+
+DetectorNoise detector_noise(const scene::Lidar& lidar, double background, double largest_signal) {
+  return NoiseOfRecords(lidar).of(background, largest_signal);
+}
+
+double alarm_chance(const scene::Lidar& lidar, const DetectorNoise& noise, std::size_t bin) {
+  // A linear threshold lies where chance is bin_chance, or higher, at threshold_pe.
+  const bool linear = lidar.detector.mode == scene::DetectorMode::linear;
+  if (linear && !(noise.gaussian && noise.air.empty()))
+    return std::min(noise.bin_chance, noise_chance(lidar, noise, bin, lidar.echoes.threshold_pe));
+  return bin_detection(lidar, noise, bin, 0, 0);
 }
 
 double noise_chance(const scene::Lidar& lidar, const DetectorNoise& noise, std::size_t bin, double value) {
@@ -236,6 +267,12 @@ double bin_detection(const scene::Lidar& lidar, const DetectorNoise& noise, doub
   return variance > 0                ? normal_tail((noise.threshold - signal) / std::sqrt(variance))
          : signal >= noise.threshold ? 1
                                      : 0;
+}
+
+double bin_detection(const scene::Lidar& lidar, const DetectorNoise& noise, std::size_t bin, double signal,
+                     double modes) {
+  if (noise.air_at(bin) > 0) return bin_detection(lidar, noise_of_bin(lidar, noise, bin), signal, modes);
+  return bin_detection(lidar, noise, signal, modes);
 }
 
 }  // namespace raycube::lidar

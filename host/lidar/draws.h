@@ -8,6 +8,14 @@ namespace raycube::lidar {
 /// What a draw is for; part of its counter.
 enum class DrawFor : std::uint32_t { speckle, counts, gain, readout, geiger, scintillation, wander, tilt };
 
+/// A uniform draw's low bits come of another seed.
+constexpr std::uint32_t kLowBits = 0x9E3779B9u;
+
+/// Counter of a stream's first draw.
+constexpr std::uint32_t first_counter(DrawFor purpose, int line) {
+  return (static_cast<std::uint32_t>(line) * 16u + static_cast<std::uint32_t>(purpose)) << 16;
+}
+
 /// A seed made ready for streams; converts from the seed itself.
 class DrawSeed {
  public:
@@ -24,9 +32,8 @@ class Stream {
  public:
   Stream(DrawSeed seed, std::uint32_t key, std::uint32_t index, DrawFor purpose, int line = 0);
 
-  double uniform();  ///< in (0, 1), 53 bits
-  double
-  normal();  ///< mean 0, variance 1; inverse of the distribution function (Wichura, Appl. Stat. 37 (1988) 477, AS 241)
+  double uniform();            ///< in (0, 1), 53 bits
+  double normal();             ///< mean 0, variance 1; inverse of the distribution function (normal_quantile.h)
   double exponential();        ///< mean 1
   double gamma(double shape);  ///< mean and variance `shape` > 0; Marsaglia & Tsang, ACM TOMS 26 (2000) 363
   /// Count with a mean >= 0: inversion below 10, PTRS (Hoermann, Insurance: Math. and Econ. 12 (1993) 39) up to 1e6,

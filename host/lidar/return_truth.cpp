@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <tuple>
 
 #include "host/base/units.h"
 #include "host/lidar/detector.h"
@@ -48,6 +48,7 @@ double transmission(const LidarPlan& plan, const FlatVolumes& volumes, int line,
   const std::size_t nodes = plan.nodes.size(),
                     first = static_cast<std::size_t>(plan.first_node[static_cast<std::size_t>(line)]);
   const std::size_t last = static_cast<std::size_t>(plan.first_node[static_cast<std::size_t>(line) + 1]);
+  if (plan.air.posts == 0 && volumes.volumes.empty()) return 1;
   std::vector<double> fields;
   for (std::size_t v = 0; v < volumes.volumes.size(); ++v)
     fields.push_back(volume_path(volumes, v, shot.exit_m, point) + volume_path(volumes, v, shot.pupil_m, point));
@@ -101,6 +102,7 @@ int pixel_of(const scene::LidarReceiver& receiver, const Shot& shot, const Vec3&
 struct Diffuse {
   double reflectance = 0, through = 0;  ///< through: leaves
   std::uint32_t material = RC_NONE;     ///< with the largest share
+  bool lambert = true;                  ///< all of it, as far as it reflects
 };
 
 Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::uint32_t surface_number, int line) {
@@ -115,6 +117,8 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
     const double share = static_cast<double>(surface.fraction[m]);
     out.reflectance += share * matter.reflectance;
     if (scene.materials[number].behind.number == RC_SHAPE_leaf) out.through += share * matter.transmittance;
+    out.lambert = out.lambert && scene.materials[number].front.number == RC_SHAPE_lambert &&
+                  scene.materials[number].further.empty();
     if (surface.fraction[m] > largest)
       largest = surface.fraction[m], out.material = scene::family_surface(scene, surface.material[m] - 1);
   }
@@ -127,15 +131,21 @@ RcAngles angles_between(const Vec3& normal, const Vec3& in, const Vec3& out) {
   return rc_angles(local(normal), local(in), local(out));
 }
 
+/// Of what surfaces send to an echo.
+struct OfEcho {
+  double window_m = 0;           ///< so far from it
+  double weight = 0, range = 0;  ///< photo-electrons, and times half their path
+};
+
 /// Distances from each echo within which a surface's return explains it: the recorded pulse's width and a bin.
 /// The first photons of a strong return fire a Geiger cell before its power has come: where surfaces send more
 /// to an echo's own bins (three, for the jitter of its time) than air and background do, the pulse's whole span.
-std::vector<double> windows_m(const LidarPlan& plan, const ShotResult& result, int pixel, int line,
-                              const std::vector<Echo>& echoes) {
+void set_windows(const LidarPlan& plan, const ShotResult& result, int pixel, int line, const std::vector<Echo>& echoes,
+                 std::vector<OfEcho>& out) {
   const scene::Lidar& lidar = plan.lidar;
   const double m_per_s = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index;
-  std::vector<double> out(echoes.size(), m_per_s * (base::kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s));
-  if (lidar.detector.mode != scene::DetectorMode::geiger || result.first.empty()) return out;
+  out.assign(echoes.size(), {m_per_s * (base::kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s)});
+  if (lidar.detector.mode != scene::DetectorMode::geiger || result.first.empty()) return;
   const auto bins = static_cast<std::ptrdiff_t>(lidar.gate.bins);
   const std::size_t row = static_cast<std::size_t>(pixel * plan.lines() + line);
   const PulseSpan span = pulse_span(lidar.pulse);
@@ -155,51 +165,95 @@ std::vector<double> windows_m(const LidarPlan& plan, const ShotResult& result, i
       others += background +
                 (result.air.empty() ? 0 : lidar.receiver.quantum_efficiency * static_cast<double>(result.air[at]));
     }
-    if (surfaces > others) out[e] = std::max(out[e], wide_m);
+    if (surfaces > others) out[e].window_m = std::max(out[e].window_m, wide_m);
   }
-  return out;
+}
+
+/// Arc cosine of 0 .. 1, rad, to 2e-8: Abramowitz & Stegun (1964), 4.4.46. A return's many angles are averaged.
+double angle_of(double cosine) {
+  constexpr double kTerms[] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
+                               0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
+  double sum = 0;
+  for (int k = 7; k >= 0; --k) sum = sum * cosine + kTerms[k];
+  return std::sqrt(1 - cosine) * sum;
+}
+
+/// Light that surfaces of one placement and material send to an echo.
+struct Sender {
+  std::size_t echo = 0;
+  std::uint32_t placement = RC_NONE, material = RC_NONE;
+  double sent = 0;
+  auto key() const { return std::tuple(echo, placement, material); }
+  bool same(const Sender& other) const { return key() == other.key(); }
+};
+
+/// Of each echo's senders the strongest names its object and material.
+void name_senders(std::vector<Sender>& senders, std::vector<ReturnTruth>& out) {
+  if (senders.size() > 1)
+    std::stable_sort(senders.begin(), senders.end(),
+                     [](const Sender& a, const Sender& b) { return a.key() < b.key(); });
+  std::vector<double> most(out.size(), -1.0);
+  for (std::size_t first = 0; first < senders.size();) {
+    Sender sum = senders[first];
+    std::size_t next = first + 1;
+    for (; next < senders.size() && senders[next].same(sum); ++next) sum.sent += senders[next].sent;
+    if (sum.sent > most[sum.echo]) {
+      most[sum.echo] = sum.sent;
+      out[sum.echo].object = sum.placement, out[sum.echo].material = sum.material;
+    }
+    first = next;
+  }
 }
 
 }  // namespace
 
-SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k) {
-  const auto i = static_cast<std::size_t>(k);
+SubRays::SubRays(const LidarPlan& plan, const Shot& shot, int pixel) : plan_(plan), shot_(shot) {
   const auto& receiver = plan.lidar.receiver;
   if (plan.lidar.transport.sampling == scene::LidarSampling::receiver) {
-    const int column = pixel % receiver.columns, line = pixel / receiver.columns;
-    const double pitch = plan.pixels() > 1 ? receiver.pixel_pitch_rad : std::sqrt(M_PI) * receiver.half_fov_rad;
-    const double a = (column - 0.5 * (receiver.columns - 1) + plan.footprint.a[i]) * pitch;
-    const double b = (line - 0.5 * (receiver.rows - 1) + plan.footprint.b[i]) * pitch;
-    return {shot.pupil_m, unit(shot.pupil_axis + a * shot.pupil_u + b * cross(shot.pupil_axis, shot.pupil_u))};
+    backwards_ = true;
+    column_ = pixel % receiver.columns - 0.5 * (receiver.columns - 1);
+    row_ = pixel / receiver.columns - 0.5 * (receiver.rows - 1);
+    scale_ = plan.pixels() > 1 ? receiver.pixel_pitch_rad : std::sqrt(M_PI) * receiver.half_fov_rad;
+    u_ = shot.pupil_u, v_ = cross(shot.pupil_axis, shot.pupil_u);
+  } else {
+    scale_ = std::tan(shot.half_divergence_rad);
+    u_ = shot.exit_u, v_ = cross(shot.exit_axis, shot.exit_u);
   }
-  const Vec3 v = cross(shot.exit_axis, shot.exit_u);
-  const double spread = std::tan(shot.half_divergence_rad);
-  SubRay ray{shot.exit_m,
-             unit(shot.exit_axis + spread * plan.footprint.a[i] * shot.exit_u + spread * plan.footprint.b[i] * v)};
-  if (!plan.footprint.exit_a.empty())
-    ray.from_m = ray.from_m + plan.lidar.pulse.exit_radius_m *
-                                  (plan.footprint.exit_a[i] * shot.exit_u + plan.footprint.exit_b[i] * v);
-  return ray;
 }
 
-SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& plan, const Shot& shot, int pixel, int k,
-                           const FirstHit& hit) {
-  SurfacePoint out;
-  if (hit.instance == RC_NONE) return out;
+SubRay SubRays::ray(int k) const {
+  const auto i = static_cast<std::size_t>(k);
+  const Footprint& footprint = plan_.footprint;
+  const double a = (column_ + static_cast<double>(footprint.a[i])) * scale_,
+               b = (row_ + static_cast<double>(footprint.b[i])) * scale_;
+  if (backwards_) return {shot_.pupil_m, unit(shot_.pupil_axis + a * u_ + b * v_)};
+  SubRay out{shot_.exit_m, unit(shot_.exit_axis + a * u_ + b * v_)};
+  if (!footprint.exit_a.empty())
+    out.from_m = out.from_m + plan_.lidar.pulse.exit_radius_m * (static_cast<double>(footprint.exit_a[i]) * u_ +
+                                                                 static_cast<double>(footprint.exit_b[i]) * v_);
+  return out;
+}
+
+HitPlane::HitPlane(const scene::CompiledScene& scene, const FirstHit& hit) : hit_(hit) {
   const shared::TriBlock& block = scene.blocks[hit.primitive / RC_BLOCK];
   const std::size_t lane = hit.primitive % RC_BLOCK;
   const shared::Instance& instance = scene.instances[hit.instance];
-  const Vec3 a = place(instance, {block.v0_x[lane], block.v0_y[lane], block.v0_z[lane]});
+  corner_ = place(instance, {block.v0_x[lane], block.v0_y[lane], block.v0_z[lane]});
   const Vec3 b = place(instance, {block.v1_x[lane], block.v1_y[lane], block.v1_z[lane]});
   const Vec3 c = place(instance, {block.v2_x[lane], block.v2_y[lane], block.v2_z[lane]});
-  const SubRay ray = sub_ray(plan, shot, pixel, k);
-  Vec3 normal = cross(b - a, c - a);
-  const double facing = dot(normal, ray.direction);
+  const Vec3 across = cross(b - corner_, c - corner_);
+  if (dot(across, across) > 0) normal_ = unit(across);
+  surface_ = block.surface[lane];
+  placement_ = scene::owner_of(scene, hit.instance, hit.primitive).placement;
+}
+
+SurfacePoint HitPlane::met_by(const SubRay& ray) const {
+  SurfacePoint out;
+  const double facing = dot(normal_, ray.direction);
   if (facing == 0) return out;
-  out.at_m = ray.from_m + dot(normal, a - ray.from_m) / facing * ray.direction;
-  out.normal = (facing > 0 ? -1 / length(normal) : 1 / length(normal)) * normal;
-  out.surface = block.surface[lane];
-  out.placement = scene::owner_of(scene, hit.instance, hit.primitive).placement;
+  out.at_m = ray.from_m + dot(normal_, corner_ - ray.from_m) / facing * ray.direction;
+  out.normal = (facing > 0 ? -1.0 : 1.0) * normal_;
+  out.surface = surface_, out.placement = placement_;
   out.hit = true;
   return out;
 }
@@ -215,17 +269,23 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
   const int samples = static_cast<int>(plan.footprint.a.size());
   const double m_per_s = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index,
                late_m = m_per_s * pulse_centroid_s(lidar.pulse);
-  const std::vector<double> window_m = windows_m(plan, result, pixel, line, echoes);
+  std::vector<OfEcho> of_echo;
+  set_windows(plan, result, pixel, line, echoes, of_echo);
   const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) *
                       receiver.efficiency * receiver.quantum_efficiency * shot.gain *
                       (shot.line_gain.empty() ? 1 : shot.line_gain[static_cast<std::size_t>(line)]);
   const Stop stop{receiver.aperture_radius_m, receiver.obscuration_radius_m, receiver.half_fov_rad, receiver.focus_m};
   const bool vignetted = lidar.transport.overlap == scene::LidarOverlap::exact && !array && !backwards;
-  std::vector<double> weight(echoes.size(), 0), range(echoes.size(), 0);
-  std::vector<std::map<std::pair<std::uint32_t, std::uint32_t>, double>> senders(echoes.size());
+  std::vector<Sender> senders;
+  const SubRays rays(plan, shot, pixel);
+  HitPlane plane;
+  Diffuse matter;
+  std::uint32_t surface = RC_NONE;  ///< of matter
   for (int k = 0; k < samples; ++k) {
     const auto& hit = result.hits[static_cast<std::size_t>(backwards ? pixel * samples + k : k)];
-    const SurfacePoint point = surface_point(scene, plan, shot, pixel, k, hit);
+    if (hit.instance == RC_NONE) continue;
+    if (!plane.is_of(hit)) plane = HitPlane(scene, hit);  // neighbours mostly meet the same triangle
+    const SurfacePoint point = plane.met_by(rays.ray(k));
     if (!point.hit) continue;
     if (array && !backwards && pixel_of(receiver, shot, point.at_m) != pixel) continue;
     const Vec3 there = point.at_m - shot.exit_m, back = shot.pupil_m - point.at_m;
@@ -234,18 +294,20 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     double off = std::numeric_limits<double>::infinity();
     for (std::size_t e = 0; e < echoes.size(); ++e) {
       const double away = std::abs(echoes[e].range_m - late_m - half_path);
-      if (away <= window_m[e] && away <= off) off = away, nearest = e;
+      if (away <= of_echo[e].window_m && away <= off) off = away, nearest = e;
     }
     if (nearest == echoes.size()) continue;
-    const Diffuse matter = diffuse(scene, plan, point.surface, line);
+    if (point.surface != surface) matter = diffuse(scene, plan, surface = point.surface, line);
     const double passed = transmission(plan, volumes, line, shot, point.at_m),
                  off_axis = dot(-1.0 * shot.pupil_axis, (1 / home) * back);
     // Angle with the way to the end of the path: the pupil, or back to the exit. Behind a leaf: what it lets through.
     const double facing = backwards ? -dot(point.normal, (1 / out_m) * there) : dot(point.normal, (1 / home) * back);
-    const RcAngles angles = angles_between(point.normal, (-1 / out_m) * there, (1 / home) * back);
-    const double scattered = (facing > 0 ? matter.reflectance * front_form(plan, scene, point.surface, line, angles)
-                                         : matter.through / M_PI) *
-                             std::abs(facing);
+    const auto form = [&] {
+      if (matter.lambert) return M_1_PI;
+      return front_form(plan, scene, point.surface, line,
+                        angles_between(point.normal, (-1 / out_m) * there, (1 / home) * back));
+    };
+    const double scattered = (facing > 0 ? matter.reflectance * form() : matter.through * M_1_PI) * std::abs(facing);
     double eta = 1, geometry = 0;
     if (backwards) {
       const double along = dot(there, shot.exit_axis), aside = std::sqrt(std::max(0.0, out_m * out_m - along * along));
@@ -262,27 +324,29 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     ReturnTruth& truth = out[nearest];
     truth.order = 1;
     truth.expected_pe += static_cast<float>(sent);
-    truth.incidence_deg += static_cast<float>(
-        base::deg_from_rad(std::acos(std::min(1.0, std::abs(dot(point.normal, (1 / out_m) * there))))));
+    truth.incidence_deg +=
+        static_cast<float>(base::deg_from_rad(angle_of(std::min(1.0, std::abs(dot(point.normal, there)) / out_m))));
     truth.overlap += static_cast<float>(eta);
     truth.transmission_2way += static_cast<float>(passed);
     truth.subray_share += 1;
-    weight[nearest] += sent;
-    range[nearest] += sent * half_path;
-    senders[nearest][{point.placement, matter.material}] += sent;
+    of_echo[nearest].weight += sent;
+    of_echo[nearest].range += sent * half_path;
+    const Sender sender{nearest, point.placement, matter.material, sent};
+    if (!senders.empty() && senders.back().same(sender))
+      senders.back().sent += sent;
+    else
+      senders.push_back(sender);
   }
   for (std::size_t e = 0; e < echoes.size(); ++e) {
     ReturnTruth& truth = out[e];
-    truth.range_m = weight[e] > 0 ? range[e] / weight[e] : std::numeric_limits<double>::quiet_NaN();
+    truth.range_m =
+        of_echo[e].weight > 0 ? of_echo[e].range / of_echo[e].weight : std::numeric_limits<double>::quiet_NaN();
     if (truth.order == 0) continue;
     const float count = truth.subray_share;
     truth.incidence_deg /= count, truth.overlap /= count, truth.transmission_2way /= count,
         truth.subray_share /= static_cast<float>(samples);
-    const auto most = std::max_element(senders[e].begin(), senders[e].end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    truth.object = most->first.first;
-    truth.material = most->first.second;
   }
+  name_senders(senders, out);
   return out;
 }
 

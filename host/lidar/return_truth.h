@@ -30,15 +30,36 @@ struct SurfacePoint {
   std::uint32_t surface = RC_NONE, placement = RC_NONE;  ///< placement: the user's number
   bool hit = false;
 };
-/// Where sub-ray k of a shot (of a pixel, receiver sampling) meets its first surface, in double, on the plane of the
-/// triangle that was hit.
-SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& plan, const Shot& shot, int pixel, int k,
-                           const FirstHit& hit);
-/// Start and unit direction of it.
+/// Start and unit direction of a sub-ray.
 struct SubRay {
   Vec3 from_m{}, direction{};
 };
-SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k);
+/// Those of a shot; of a pixel, receiver sampling.
+class SubRays {
+ public:
+  SubRays(const LidarPlan& plan, const Shot& shot, int pixel);
+  SubRay ray(int k) const;
+
+ private:
+  const LidarPlan& plan_;
+  const Shot& shot_;
+  bool backwards_ = false;
+  double column_ = 0, row_ = 0, scale_ = 0;
+  Vec3 u_{}, v_{};
+};
+/// The plane of the triangle that a sub-ray met first, in double.
+class HitPlane {
+ public:
+  HitPlane() = default;
+  HitPlane(const scene::CompiledScene& scene, const FirstHit& hit);  ///< hit: not a miss
+  bool is_of(const FirstHit& hit) const { return hit.instance == hit_.instance && hit.primitive == hit_.primitive; }
+  SurfacePoint met_by(const SubRay& ray) const;
+
+ private:
+  FirstHit hit_;
+  Vec3 corner_{}, normal_{};
+  std::uint32_t surface_ = RC_NONE, placement_ = RC_NONE;
+};
 
 /// One for each echo of a pixel's record. A sub-ray belongs to the nearest echo within the recorded pulse's width
 /// (2.355 standard deviations) and a bin of it (geiger: within the pulse's span of an event that surfaces most likely

@@ -146,6 +146,7 @@ LasWriter::LasWriter(base::OutputFile& points, base::OutputFile* packets, LasOpt
   if (options_.wkt.size() > 65534)
     throw Error(Fault::input, fmt::format("{}: the text of the coordinate system has {} bytes, LAS holds 65534", name,
                                           options_.wkt.size()));
+  if (options_.intensity_from_energy) points.expect_rewriting();
   record_bytes_ = static_cast<std::uint16_t>(kPointBytes[static_cast<std::size_t>(format())] + kTruth_bytes);
   point_start_ = static_cast<std::uint32_t>(kHeader + vlrs(0, 0).size());
   low_.fill(std::numeric_limits<std::int32_t>::max());
@@ -192,15 +193,14 @@ LasPacket LasWriter::add_packet(int descriptor, const std::vector<std::uint16_t>
                                           points_file_.final_path(), samples.size()));
   const LasPacket packet{descriptor, kEvlrHeader + packets_written_ + packet_buffer_.size(),
                          static_cast<std::uint32_t>(bytes)};
-  const std::size_t at = packet_buffer_.size();
-  packet_buffer_.resize(at + bytes);
   if (d.bits == 16) {
-    std::memcpy(packet_buffer_.data() + at, samples.data(), bytes);
+    const auto* const first = reinterpret_cast<const unsigned char*>(samples.data());
+    packet_buffer_.insert(packet_buffer_.end(), first, first + bytes);
   } else {
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (samples[i] > 255)
-        throw Error(Fault::bug, fmt::format("{}: sample {} of 8 bits", points_file_.final_path(), samples[i]));
-      packet_buffer_[at + i] = static_cast<unsigned char>(samples[i]);
+    for (const std::uint16_t sample : samples) {
+      if (sample > 255)
+        throw Error(Fault::bug, fmt::format("{}: sample {} of 8 bits", points_file_.final_path(), sample));
+      packet_buffer_.push_back(static_cast<unsigned char>(sample));
     }
   }
   ++packet_count_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <optional>
 
 #include "host/base/doing.h"
 #include "host/base/error.h"
@@ -213,42 +214,53 @@ class Collector {
 
   void take(const cl::Context& context, const Batch& batch, BatchBuffers& from) {
     const Settled settled{context};
-    const Mapped first(from.first), multiple(from.multiple), way(from.way), sums(from.sums), way_sums(from.way_sums);
+    const Mapped first(from.first), sums(from.sums);
     const Mapped ledger(from.ledger);
-    const Mapped counts(from.counts), hits(from.hits);
+    const Mapped counts(from.counts);
+    // A command to a device costs: nothing is asked for that is not there.
+    std::optional<Mapped<float>> multiple, way, way_sums;
+    std::optional<Mapped<std::uint32_t>> hits;
+    if (tables_.multiple) multiple.emplace(from.multiple);
+    if (tables_.way) way.emplace(from.way), way_sums.emplace(from.way_sums);
+    if (hits_) hits.emplace(from.hits);
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t owner = batch.first + i, shot = owner / owners_of_shot_, pixel = owner % owners_of_shot_;
       if (pixel == 0) begin(shots_[shot]);
-      copy_rows(first.data(), i, pixel, result_.first);
-      if (tables_.multiple) copy_rows(multiple.data(), i, pixel, result_.multiple);
+      copy_rows(first.data(), i, result_.first);
+      if (tables_.multiple) copy_rows(multiple->data(), i, result_.multiple);
       if (tables_.way) {
-        if (tables_.air_rows) copy_rows(way.data(), tables_.way_rows * i, pixel, result_.air);
-        if (tables_.way_rows > 1) add_rows(way.data(), 2 * i + 1, pixel, result_.first);
-        add_sums(way_sums.data(), i);
+        if (tables_.air_rows) copy_rows(way->data(), tables_.way_rows * i, result_.air);
+        if (tables_.way_rows > 1) add_rows(way->data(), 2 * i + 1, pixel, result_.first);
+        add_sums(way_sums->data(), i);
       }
       add_ledger(ledger.data(), i);
       add_sums(sums.data(), i);
       result_.rays += counts.data()[i];
-      if (hits_) copy_hits(hits.data(), i);
+      if (hits_) copy_hits(hits->data(), i);
       if (pixel + 1 == owners_of_shot_) finish();
     }
   }
 
  private:
   void begin(const lidar::Shot& shot) {
-    const std::size_t floats = static_cast<std::size_t>(plan_.pixels()) * plan_.lines() * plan_.lidar.gate.bins;
-    result_ = {};
+    // What a sink leaves in its place is used again.
     result_.shot = shot;
-    result_.first.resize(floats);
-    if (tables_.multiple) result_.multiple.resize(floats);
-    if (tables_.air_rows) result_.air.resize(floats);
-    result_.ledger.resize(static_cast<std::size_t>(plan_.lines()));
+    result_.first.clear(), result_.multiple.clear(), result_.air.clear(), result_.hits.clear();
+    result_.background_hz.clear();
+    result_.rays = 0;
+    const std::size_t floats = owners_of_shot_ * tables_.owner_rows * static_cast<std::size_t>(plan_.lidar.gate.bins);
+    result_.first.reserve(floats);
+    if (tables_.multiple) result_.multiple.reserve(floats);
+    if (tables_.air_rows) result_.air.reserve(floats);
+    result_.ledger.assign(static_cast<std::size_t>(plan_.lines()), {});
   }
-  void copy_rows(const float* from, std::size_t owner, std::size_t pixel, std::vector<float>& to) const {
-    const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
-    for (std::size_t row = 0; row < tables_.owner_rows; ++row)
-      std::copy_n(from + (owner * tables_.owner_rows + row) * tables_.row_floats + tables_.row_pad, bins,
-                  to.data() + (pixel * tables_.owner_rows + row) * bins);
+  /// Those of the next pixel.
+  void copy_rows(const float* from, std::size_t owner, std::vector<float>& to) const {
+    const auto bins = static_cast<std::ptrdiff_t>(plan_.lidar.gate.bins);
+    for (std::size_t row = 0; row < tables_.owner_rows; ++row) {
+      const float* const at = from + (owner * tables_.owner_rows + row) * tables_.row_floats + tables_.row_pad;
+      to.insert(to.end(), at, at + bins);
+    }
   }
   void add_rows(const float* from, std::size_t owner, std::size_t pixel, std::vector<float>& to) const {
     const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
@@ -285,6 +297,7 @@ class Collector {
   }
   void copy_hits(const std::uint32_t* hits, std::size_t owner) {
     const std::size_t rays = plan_.footprint.a.size(), padded = RC_PADDED(rays);
+    result_.hits.reserve(rays * owners_of_shot_);
     for (std::size_t k = 0; k < rays; ++k) {
       const std::uint32_t* at = hits + 2 * (owner * padded + k);
       result_.hits.push_back({at[0], at[1]});

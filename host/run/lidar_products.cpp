@@ -84,7 +84,7 @@ struct LidarProducts::State {
                      (std::filesystem::path(folder) / ".returns.packets").string(), base::IfExists::replace))
                     .get();
     else if (waveforms)
-      packets = &set.add("returns.wdp");
+      packets = waveform_file = &set.add("returns.wdp");
     const auto& origin = simulation.scene.origin;
     products::LasOptions options;
     options.offset_m = {origin.easting_m, origin.northing_m, origin.height_m};
@@ -154,16 +154,14 @@ struct LidarProducts::State {
     }
   }
 
-  void add_record(const lidar::ShotResult& result, const lidar::Detection& d) {
+  void add_record(const lidar::ShotResult& result, const lidar::Detection& d,
+                  const std::vector<lidar::ReturnTruth>& truth) {
     products::LasPacket packet;
     if (las_waveforms) {
       const int kind =
           las->descriptor({16, static_cast<std::uint32_t>(lidar.gate.bins), spacing_ps(lidar.gate), d.gain, d.offset});
       packet = las->add_packet(kind, d.samples);
     }
-    std::vector<lidar::ReturnTruth> truth;
-    if (!result.hits.empty() && !d.echoes.empty())
-      truth = lidar::return_truth(simulation.scene, volumes, plan, result, d.pixel, d.line, d.echoes);
     lidar::ReturnTruth unknown;
     unknown.range_m = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = 0; i < d.echoes.size(); ++i) {
@@ -175,6 +173,9 @@ struct LidarProducts::State {
       digest.add(hashed, sizeof hashed);
       ++returns;
     }
+    const double steps[] = {d.gain, d.offset};
+    digest.add(steps, sizeof steps);
+    if (!waveform_file) digest.add(d.samples.data(), d.samples.size() * sizeof(std::uint16_t));
     if (tables) tables->add_photons(d);
     record_count += 1;
     empty_records += d.echoes.empty();
@@ -220,7 +221,9 @@ struct LidarProducts::State {
     las->add_point(p);
   }
 
-  void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections) {
+  void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections,
+           const std::vector<std::vector<lidar::ReturnTruth>>& truth) {
+    static const std::vector<lidar::ReturnTruth> kNone;
     const std::size_t records = static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines());
     if (!detections.empty() && detections.size() != records)
       throw base::Error(base::Fault::bug, fmt::format("{} records came of a shot with {}", detections.size(), records));
@@ -232,11 +235,13 @@ struct LidarProducts::State {
     }
     const std::uint64_t before = returns;
     for (int pixel = 0; pixel < plan.pixels(); ++pixel) {
-      collect(result, detections, pixel);
-      digest.add(values.data(), values.size() * sizeof(float));
+      if (cube || !detected) collect(result, detections, pixel);
+      if (!detected) digest.add(values.data(), values.size() * sizeof(float));
       if (cube) cube->add(values);
-      for (int l = 0; detected && l < plan.lines(); ++l)
-        add_record(result, detections[static_cast<std::size_t>(pixel * plan.lines() + l)]);
+      for (int l = 0; detected && l < plan.lines(); ++l) {
+        const auto record = static_cast<std::size_t>(pixel * plan.lines() + l);
+        add_record(result, detections[record], truth.empty() ? kNone : truth[record]);
+      }
     }
     if (tables) tables->add_shot(result, detections, static_cast<std::int64_t>(shots) * plan.pixels());
     without_return += returns == before;
@@ -312,6 +317,7 @@ struct LidarProducts::State {
   std::optional<products::LasWriter> las;
   std::optional<LidarCsv> tables;
   base::OutputFile* las_file = nullptr;
+  base::OutputFile* waveform_file = nullptr;  ///< beside the points: its hashes are in the digest
   base::Sha256 digest;
   std::vector<float> values;
   std::vector<std::string> warnings;
@@ -325,8 +331,23 @@ LidarProducts::LidarProducts(const std::string& folder, base::IfExists if_exists
     : state_(std::make_unique<State>(folder, if_exists, simulation, plan)) {}
 LidarProducts::~LidarProducts() = default;
 
-void LidarProducts::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections) {
-  state_->add(result, detections);
+bool LidarProducts::wants_truth() const { return state_->las || state_->tables; }
+
+void LidarProducts::truth(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections,
+                          std::vector<std::vector<lidar::ReturnTruth>>& out) const {
+  out.resize(wants_truth() && !result.hits.empty() ? detections.size() : 0);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const auto& d = detections[i];
+    out[i].clear();
+    if (!d.echoes.empty())
+      out[i] = lidar::return_truth(state_->simulation.scene, state_->volumes, state_->plan, result, d.pixel, d.line,
+                                   d.echoes);
+  }
+}
+
+void LidarProducts::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections,
+                        const std::vector<std::vector<lidar::ReturnTruth>>& truth) {
+  state_->add(result, detections, truth);
 }
 
 void LidarProducts::publish(products::RunRecord& record) {
@@ -355,6 +376,10 @@ void LidarProducts::publish(products::RunRecord& record) {
       record.files.emplace_back("returns.wdp", "waveforms of returns.las");
   }
   if (s.tables) s.tables->finish(record);
+  if (s.waveform_file) {
+    const std::string list = s.waveform_file->hashes().list;
+    s.digest.add(list.data(), list.size());
+  }
   record.digest = s.digest.hex();
   record.rays += s.rays;
   record.warnings.insert(record.warnings.end(), s.warnings.begin(), s.warnings.end());

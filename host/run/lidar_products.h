@@ -14,6 +14,7 @@
 #include "host/base/output_file.h"
 #include "host/lidar/detection.h"
 #include "host/lidar/lidar_plan.h"
+#include "host/lidar/return_truth.h"
 #include "host/products/run_record.h"
 #include "scene_compiler/simulation.h"
 
@@ -28,9 +29,16 @@ class LidarProducts {
                 const lidar::LidarPlan& plan);
   ~LidarProducts();
 
+  /// Whether a product holds what stands behind returns: then shots come with their first hits.
+  bool wants_truth() const;
+  /// That of a shot's records, [pixel][line][return]; left empty where nobody asks or hits are missing. Any thread may
+  /// ask.
+  void truth(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections,
+             std::vector<std::vector<lidar::ReturnTruth>>& out) const;
   /// Next shot, in order of pulses. `detections` as lidar::detect() hands them out, [pixel][line]; empty: expectations
   /// alone, without returns, which must then be so for every shot.
-  void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections);
+  void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections,
+           const std::vector<std::vector<lidar::ReturnTruth>>& truth);
   /// Finishes every file, fills the record's digest, files, figures and warnings, writes run.json and names them all.
   void publish(products::RunRecord& record);
 

@@ -9,18 +9,13 @@
 
 #include "host/base/units.h"
 #include "host/lidar/detector.h"
+#include "host/lidar/record_bins.h"
 
 namespace raycube::run {
 
 namespace {
 
 constexpr double kProbablyNone = 0.5;  ///< fewer expected returns of surfaces and volumes: most likely there is none
-
-double sum_of(const std::vector<float>& rows) {
-  double sum = 0;
-  for (const float value : rows) sum += static_cast<double>(value);
-  return sum;
-}
 
 /// "73 % left the scene, 27 % were absorbed": shares above a thousandth.
 std::string shares_text(const std::vector<std::pair<double, const char*>>& shares) {
@@ -32,6 +27,9 @@ std::string shares_text(const std::vector<std::pair<double, const char*>>& share
 
 }  // namespace
 
+LidarRunLight::LidarRunLight(const lidar::LidarPlan& plan)
+    : plan_(plan), half_bins_(base::kFwhmOfSigma * lidar::recorded_sigma_s(plan.lidar) / plan.lidar.gate.bin_s + 1) {}
+
 /// A linear record's noise is as good as light where it makes an echo; a Geiger record's events are all somebody's
 /// photons.
 void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::Detection& record) {
@@ -39,12 +37,11 @@ void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::De
   const bool geiger = lidar.detector.mode == scene::DetectorMode::geiger;
   const auto bins = static_cast<std::size_t>(lidar.gate.bins);
   const std::size_t row = static_cast<std::size_t>(record.pixel * plan_.lines() + record.line) * bins;
-  const double half_bins = base::kFwhmOfSigma * lidar::recorded_sigma_s(lidar) / lidar.gate.bin_s + 1;
   for (const lidar::Echo& echo : record.echoes) {
     const double at = (echo.time_s - lidar.gate.start_s) / lidar.gate.bin_s - 0.5;
     const double last = static_cast<double>(bins) - 1;
-    const auto from = static_cast<std::size_t>(std::clamp(std::round(at - half_bins), 0.0, last));
-    const auto to = static_cast<std::size_t>(std::clamp(std::round(at + half_bins), 0.0, last));
+    const auto from = static_cast<std::size_t>(std::clamp(std::round(at - half_bins_), 0.0, last));
+    const auto to = static_cast<std::size_t>(std::clamp(std::round(at + half_bins_), 0.0, last));
     const auto within = [&](const std::vector<float>& rows) {
       double sum = 0;
       for (std::size_t bin = from; !rows.empty() && bin <= to; ++bin) sum += static_cast<double>(rows[row + bin]);
@@ -60,11 +57,11 @@ void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::De
 void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& records) {
   ++shots_;
   for (const auto* rows : {&result.first, &result.multiple}) {
-    matter_photons_ += sum_of(*rows);
-    for (const float value : *rows)
-      strongest_pe_ = std::max(strongest_pe_, plan_.lidar.receiver.quantum_efficiency * static_cast<double>(value));
+    const lidar::BinSums sums = lidar::sums_of(rows->data(), rows->size());
+    matter_photons_ += sums.sum;
+    strongest_pe_ = std::max(strongest_pe_, plan_.lidar.receiver.quantum_efficiency * sums.largest);
   }
-  air_photons_ += sum_of(result.air);
+  air_photons_ += lidar::sums_of(result.air.data(), result.air.size()).sum;
   for (const auto& record : records) {
     echoes_ += record.echoes.size();
     add_returns(result, record);

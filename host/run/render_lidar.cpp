@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -48,9 +49,11 @@ std::size_t bytes_of_rows(const lidar::LidarPlan& plan) {
                                                  static_cast<std::size_t>(plan.lidar.gate.bins) * sizeof(float);
 }
 
+constexpr std::int64_t kMostPulses = 4096;  ///< of a batch: more gain no time
+
 std::int64_t batch_of(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
   return std::clamp<std::int64_t>(
-      static_cast<std::int64_t>(memory_bytes / 4 / std::max<std::size_t>(1, bytes_of_rows(plan))), 1, 4096);
+      static_cast<std::int64_t>(memory_bytes / 4 / std::max<std::size_t>(1, bytes_of_rows(plan))), 1, kMostPulses);
 }
 
 /// Rows of one pulse are held at once whatever --memory says: it is refused when it cannot hold them.
@@ -181,36 +184,49 @@ class Survey {
         memory_bytes_(options.memory_bytes) {
     broaden(job.plan);
     require_memory(plan_, memory_bytes_);
+    // Made of the plan as it is now.
+    for (std::size_t t = base::thread_count(services.threads); t > 0; --t) detecting_.emplace_back(plan_);
+    for (const char* stage : {"pulses", "detection", "products"}) stage_s[stage] = 0;
   }
 
   /// The light of the scene behind the echoes, and that of other pulses, where there are any.
   void prepare(const render::RenderOptions& options) {
-    if (has_background(simulation_, lidar_)) background_.emplace(simulation_, plan_, options, services_);
+    if (has_background(simulation_, lidar_)) {
+      background_.emplace(simulation_, plan_, options, services_);
+      stage_s["background"] = 0;
+    }
     others_.emplace(simulation_, plan_);
   }
 
-  /// Every pulse, batch by batch. Shots and background light come for many batches at once: a passive plan costs a
-  /// second, whatever the number of views.
+  /// Every pulse, batch by batch: while one is traced and detected, the one before is written. Where there is
+  /// background light, shots come for many batches at once: a passive plan costs a second, whatever the number of
+  /// views.
   void fire(render::LidarRenderer& renderer, LidarProducts& output) {
     const Step step(services_, "lidar " + lidar_.name, static_cast<std::uint64_t>(lidar_.pulses), "pulses");
     const std::int64_t batch = batch_of(plan_, memory_bytes_);
-    const std::int64_t chunk = std::max<std::int64_t>(batch, 65536 / std::max(1, plan_.pixels()));
+    const std::int64_t chunk = background_ ? std::max<std::int64_t>(batch, 65536 / std::max(1, plan_.pixels())) : batch;
+    std::future<void> writing;
+    const Written written{writing};
     for (std::int64_t first = 0; first < lidar_.pulses; first += chunk) {
-      const auto shots = lidar::make_shots(lidar_, first, std::min(chunk, lidar_.pulses - first), simulation_.seed);
-      const std::vector<lidar::Shot> fired = through_turbulence(shots);
+      const auto shots = through_turbulence(
+          lidar::make_shots(lidar_, first, std::min(chunk, lidar_.pulses - first), simulation_.seed));
       std::vector<std::vector<double>> behind;
       if (background_ && !shots.empty()) timed("background", [&] { behind = background_->rates(shots); });
-      for (std::size_t begin = 0; begin < fired.size(); begin += static_cast<std::size_t>(batch)) {
-        const std::size_t end = std::min(fired.size(), begin + static_cast<std::size_t>(batch));
-        fire_batch(std::span(fired).subspan(begin, end - begin),
+      for (std::size_t begin = 0; begin < shots.size(); begin += static_cast<std::size_t>(batch)) {
+        const std::size_t end = std::min(shots.size(), begin + static_cast<std::size_t>(batch));
+        fire_batch(std::span(shots).subspan(begin, end - begin),
                    behind.empty() ? std::span<std::vector<double>>() : std::span(behind).subspan(begin, end - begin),
                    renderer, output);
+        if (writing.valid()) writing.get();
+        std::swap(fired_, whole_);
+        writing = base::beside(services_.threads, [&] { write(output); });
         step.advance(end - begin);
       }
     }
+    if (writing.valid()) writing.get();
   }
 
-  std::map<std::string, double> stage_s;
+  std::map<std::string, double> stage_s;  ///< all that there are, before threads add to them
   std::uint64_t rays = 0, echoes = 0;
   double worst_ledger = 0;
   std::optional<nlohmann::json> turbulence;  ///< what it does to the first shot; empty: there is none
@@ -225,40 +241,49 @@ class Survey {
     lidar::broaden_pulse(plan, lidar::turbulence_statistics(plan, way_(shots.front()), shots.front()).broadening_s2);
   }
 
-  std::vector<lidar::Shot> through_turbulence(const std::vector<lidar::Shot>& shots) {
-    std::vector<lidar::Shot> fired = shots;
-    for (auto& shot : fired) {
+  std::vector<lidar::Shot> through_turbulence(std::vector<lidar::Shot> shots) {
+    for (auto& shot : shots) {
       const auto truth = lidar::apply_turbulence(plan_, way_(shot), shot);
       if (!blur_) blur_.emplace(lidar_, truth.fried_m);
       if (turbulence || lidar_.turbulence.profile == scene::TurbulenceProfile::none) continue;
       turbulence = turbulence_json(lidar_, truth);
       for (const auto& warning : truth.warnings) services_.log.warning(lidar_.name + ": " + warning);
     }
-    return fired;
+    return shots;
   }
 
-  /// behind: photons / s of the background, [shot][pixel and line]; empty: none.
+  /// Expectations and records of a batch, into fired_. behind: photons / s of the background, [shot][pixel and line];
+  /// empty: none.
   void fire_batch(std::span<const lidar::Shot> shots, std::span<std::vector<double>> behind,
-                  render::LidarRenderer& renderer, LidarProducts& output) {
-    std::vector<lidar::ShotResult> results;
+                  render::LidarRenderer& renderer, const LidarProducts& output) {
+    fired_.results.resize(shots.size());
     timed("pulses", [&] {
+      auto next = fired_.results.begin();
       renderer.render(
-          plan_, {shots.begin(), shots.end()},
-          [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, true);
-      others_->add_to(results, renderer, [&](lidar::Shot& shot) { lidar::apply_turbulence(plan_, way_(shot), shot); });
+          plan_, {shots.begin(), shots.end()}, [&](lidar::ShotResult&& result) { std::swap(*next++, result); },
+          output.wants_truth());
+      others_->add_to(fired_.results, renderer,
+                      [&](lidar::Shot& shot) { lidar::apply_turbulence(plan_, way_(shot), shot); });
     });
-    std::vector<std::vector<lidar::Detection>> records(results.size());
+    const std::size_t count = fired_.results.size();
+    fired_.records.resize(count), fired_.truth.resize(count);
     timed("detection", [&] {
-      base::for_each_index(results.size(), services_.threads, [&](std::size_t i) {
-        if (blur_) blur_->apply(plan_, results[i]);
-        if (!behind.empty()) results[i].background_hz = behind[i];
-        records[i] = lidar::detect(plan_, results[i]);
+      base::for_each_index_with(detecting_, count, [&](lidar::Detecting& detecting, std::size_t i) {
+        auto& result = fired_.results[i];
+        if (blur_) blur_->apply(plan_, result);
+        if (!behind.empty()) result.background_hz = behind[i];
+        detecting.detect(result, fired_.records[i]);
+        output.truth(result, fired_.records[i], fired_.truth[i]);
       });
     });
+  }
+
+  /// Products of whole_.
+  void write(LidarProducts& output) {
     timed("products", [&] {
-      for (std::size_t i = 0; i < results.size(); ++i) {
-        output.add(results[i], records[i]);
-        add(results[i], records[i]);
+      for (std::size_t i = 0; i < whole_.results.size(); ++i) {
+        output.add(whole_.results[i], whole_.records[i], whole_.truth[i]);
+        add(whole_.results[i], whole_.records[i]);
       }
     });
   }
@@ -277,10 +302,26 @@ class Survey {
     stage_s[stage] += base::seconds_since(begin);
   }
 
+  /// A batch: of each shot expectations, records, and what stands behind their returns.
+  struct Batch {
+    std::vector<lidar::ShotResult> results;
+    std::vector<std::vector<lidar::Detection>> records;
+    std::vector<std::vector<std::vector<lidar::ReturnTruth>>> truth;
+  };
+  /// Nothing is written after a failure elsewhere, nor after what is written is gone.
+  struct Written {
+    std::future<void>& writing;
+    ~Written() {
+      if (writing.valid()) writing.wait();
+    }
+  };
+
   const scene::Simulation& simulation_;
   const scene::Lidar& lidar_;
   const lidar::LidarPlan& plan_;
   Services& services_;
+  Batch fired_, whole_;
+  std::vector<lidar::Detecting> detecting_;  ///< of each thread
   WaysOfShots way_;
   std::size_t memory_bytes_;
   std::optional<LidarBackground> background_;

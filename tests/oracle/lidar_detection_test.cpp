@@ -7,6 +7,7 @@
 
 #include "host/lidar/detection.h"
 #include "host/lidar/detector.h"
+#include "host/lidar/draws.h"
 #include "tests/oracle/lidar_detection_cases.h"
 
 using namespace raycube;
@@ -197,4 +198,48 @@ TEST_CASE("S63: no NaN for zero efficiency, zero pulse width, empty rows and hug
             REQUIRE(std::isfinite(record.truth.false_alarm_rate_hz));
           }
         }
+}
+
+TEST_CASE("S38: a detector's memory of records before leaves no trace, and dark bins left out are those that are 0") {
+  LidarPlan plan = test::small_plan(600);
+  for (const auto mode : {scene::DetectorMode::photons, scene::DetectorMode::linear})
+    for (const double response_s : {0.0, 3e-9})
+      for (const double dark_hz : {0.0, 1e7}) {
+        plan.lidar.detector.mode = mode;
+        plan.lidar.detector.response_fwhm_s = response_s;
+        plan.lidar.echoes.method = response_s > 0 ? scene::EchoMethod::gaussian : scene::EchoMethod::constant_fraction;
+        plan.lidar.detector.dark_rate_hz = dark_hz;
+        plan.lidar.detector.bits = 12;
+        Detecting detecting(plan);
+        std::vector<Detection> records;
+        for (int pulse = 0; pulse < 6; ++pulse) {
+          ShotResult shot = test::empty_shot(plan, pulse);
+          if (pulse == 3) shot.first[223] = 50;  // one bin alone: first and last that are not dark
+          // Each beside the stronger one before it.
+          if (pulse != 3) test::add_return(shot.first, 30000 / (1 + 10 * pulse), 200 + 9 * pulse, 1.7);
+          if (pulse % 2 == 0) test::add_return(shot.first, 50, 580, 1.7);
+          detecting.expect(shot, records);
+          const Detection expected = expected_detections(plan, shot).front();
+          REQUIRE(records.front().echoes.size() == expected.echoes.size());
+          for (std::size_t i = 0; i < expected.echoes.size(); ++i) {
+            CHECK(records.front().echoes[i].time_s == expected.echoes[i].time_s);
+            CHECK(records.front().echoes[i].energy_pe == expected.echoes[i].energy_pe);
+          }
+          detecting.detect(shot, records);
+          const Detection fresh = detect(plan, shot).front(), &kept = records.front();
+          CHECK(kept.waveform_pe == fresh.waveform_pe);
+          CHECK(kept.samples == fresh.samples);
+          REQUIRE(kept.echoes.size() == fresh.echoes.size());
+          for (std::size_t i = 0; i < kept.echoes.size(); ++i) CHECK(kept.echoes[i].time_s == fresh.echoes[i].time_s);
+          CHECK(kept.truth.detection_probability == fresh.truth.detection_probability);
+          CHECK(kept.truth.false_alarm_rate_hz == fresh.truth.false_alarm_rate_hz);
+          if (mode == scene::DetectorMode::photons) {  // bin by bin, by the draws' definition
+            const double dark = dark_hz * plan.lidar.gate.bin_s;
+            for (std::size_t i = 0; i < kept.waveform_pe.size(); ++i)
+              CHECK(kept.waveform_pe[i] == static_cast<float>(Stream(plan.seed, draw_key(plan, pulse, 0),
+                                                                     static_cast<std::uint32_t>(i), DrawFor::counts, 0)
+                                                                  .poisson(shot.first[i] + dark)));
+          }
+        }
+      }
 }

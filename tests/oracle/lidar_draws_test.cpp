@@ -4,7 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "host/lidar/bin_draws.h"
 #include "host/lidar/draws.h"
+#include "host/lidar/normal_quantile.h"
 #include "host/lidar/speckle.h"
 
 using namespace raycube::lidar;
@@ -122,4 +124,32 @@ TEST_CASE("S38: draws depend on what they are for and on nothing else") {
   Stream s(42, 5, 9, DrawFor::counts);
   CHECK(s.uniform() == base);
   CHECK(s.uniform() != base);
+}
+
+TEST_CASE("S38: draws of all bins at once are those of a stream for each, to the bit") {
+  std::vector<double> mean, counts(1000), normals(1000, 2.0);
+  for (int i = 0; i < 1000; ++i) mean.push_back(i % 7 == 0 ? 0.0 : std::pow(10.0, -5 + i % 11));
+  mean[3] = std::nan(""), mean[4] = -1;
+  BinDraws draws(42, 1, 0);
+  draws.record(5, 2);
+  draws.counts(17, counts.size(), mean.data(), counts.data());
+  draws.add_readout(17, normals.size(), 0.5, normals.data());
+  int wrong = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto bin = static_cast<std::uint32_t>(17 + i);
+    const double count = Stream(42, 5, bin, DrawFor::counts, 2).poisson(mean[i]);
+    wrong += !(counts[i] == count || (std::isnan(counts[i]) && std::isnan(count)));
+    wrong += normals[i] != 2.0 + 0.5 * Stream(42, 5, bin, DrawFor::readout, 2).normal();
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("S35: the normal's quantile undoes its distribution function, far out too") {
+  // u is rounded to 1e-16: near 1/2 that is 1e-16 / (z phi(z)) of z, 1.4e-15 at 0.2.
+  for (const double z : {0.2, 0.4, 1.03, 1.05, 2.0, 4.0, 6.0, 6.6, 6.7, 8.0}) {
+    CAPTURE(z);
+    const double u = 0.5 * std::erfc(z / std::sqrt(2.0));
+    CHECK(std::abs(normal_quantile(u) / -z - 1) < 4e-15);
+  }
+  for (double u = 1e-300; u < 0.5; u *= 1.7) CHECK(std::abs(log_of(u) / std::log(u) - 1) < 5e-16);
 }

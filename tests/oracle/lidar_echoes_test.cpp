@@ -8,6 +8,7 @@
 #include "host/lidar/detection.h"
 #include "host/lidar/detector.h"
 #include "host/lidar/echoes.h"
+#include "host/lidar/normal_edges.h"
 #include "tests/oracle/lidar_detection_cases.h"
 
 using namespace raycube;
@@ -212,4 +213,60 @@ TEST_CASE("S39: clusters of time tags are echoes") {
   CHECK(echoes[1].energy_pe == 2);
   CHECK(echoes[1].of == 2);
   CHECK(cluster_tags(lidar, {}).empty());
+}
+
+TEST_CASE("S40: the normal at the edges of bins, against the library's error function and exponential") {
+  for (const double step : {0.013, 0.4, 3.0}) {
+    std::vector<double> tail(901), density(901);
+    const double first = -450 * step;
+    normal_edges(first, step, tail.size(), tail.data(), density.data());
+    for (std::size_t i = 0; i < tail.size(); ++i) {
+      const double z = std::min(10.0, std::abs(first + static_cast<double>(i) * step));
+      CAPTURE(z);
+      CHECK(std::abs(tail[i] / (0.5 * std::erfc(z / std::sqrt(2.0))) - 1) < 3e-14);
+      CHECK(std::abs(density[i] * std::sqrt(2 * M_PI) / std::exp(-0.5 * z * z) - 1) < 2e-15);
+    }
+  }
+}
+
+TEST_CASE("S40: a fit has the weighted least squares that its definition asks for, of one echo and of five") {
+  // Stationary: no parameter's slope of chi^2 is left, held against differences of chi^2 itself.
+  std::vector<double> data(160, 0.0);
+  const std::vector<GaussianEcho> truth = {
+      {900, 30.3, 1.7}, {400, 40, 2.0}, {1500, 52.8, 1.8}, {300, 60, 1.7}, {2000, 100, 4}};
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    for (const auto& echo : truth) data[i] += gaussian_bin(echo, static_cast<double>(i));
+    data[i] += std::sin(1.7 * static_cast<double>(i)) * std::sqrt(data[i]);
+  }
+  GaussianFit fit;
+  for (const bool one : {true, false}) {
+    std::vector<GaussianEcho> echoes = truth;
+    if (one) echoes = {{1800, 99, 5}};
+    const std::size_t first = one ? 75 : 10, last = one ? 130 : 150;
+    fit.roughly(data, first, last, 0.5, 1.0, echoes);
+    for (int pass = 0; pass < 6; ++pass) fit.finish(0.5, 1.0, echoes);  // until weights are those of the solution
+    const auto model = [&](const std::vector<GaussianEcho>& of, std::size_t i) {
+      double sum = 0;
+      for (const auto& echo : of) sum += gaussian_bin(echo, static_cast<double>(i));
+      return sum;
+    };
+    const auto chi = [&](const std::vector<GaussianEcho>& of) {
+      double sum = 0;
+      for (std::size_t i = first; i < last; ++i)
+        sum += std::pow(data[i] - model(of, i), 2) / (0.25 + model(echoes, i) + 0.3);
+      return sum;
+    };
+    const double least = chi(echoes);
+    for (std::size_t k = 0; k < echoes.size(); ++k)
+      for (int parameter = 0; parameter < 3; ++parameter)
+        for (const double way : {-1.0, 1.0}) {
+          auto moved = echoes;
+          if (parameter == 0) moved[k].area *= 1 + 0.01 * way;
+          if (parameter == 1) moved[k].position += 0.02 * way;
+          if (parameter == 2) moved[k].sigma *= 1 + 0.01 * way;
+          CAPTURE(k);
+          CAPTURE(parameter);
+          CHECK(chi(moved) > least - 2e-3);  // the fit stops where a step would gain 1e-3
+        }
+  }
 }

@@ -111,7 +111,9 @@ void write_run(const std::string& folder, const scene::Lidar& lidar, bool georef
     std::vector<lidar::Detection> detections;
     for (int pixel = 0; pixel < plan.pixels(); ++pixel)
       for (int line = 0; line < plan.lines(); ++line) detections.push_back(record(plan, result, pixel, line));
-    products.add(result, detections);
+    std::vector<std::vector<lidar::ReturnTruth>> truth;
+    products.truth(result, detections, truth);
+    products.add(result, detections, truth);
   }
   products::RunRecord report;
   report.command = "lidar_run_samples";
