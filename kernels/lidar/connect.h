@@ -2,7 +2,7 @@
 #ifndef RAYCUBE_KERNELS_LIDAR_CONNECT_H
 #define RAYCUBE_KERNELS_LIDAR_CONNECT_H
 
-#include "kernels/geometry/any_hit.h"
+#include "kernels/geometry/any_hits16.h"
 #include "kernels/lidar/deposit.h"
 #include "kernels/lidar/lobes.h"
 #include "kernels/lidar/media.h"
@@ -95,28 +95,59 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
   for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
   return rays;
 }
+/* Whether what lies past the end, seen from the scene, is none of it: ways that start in the scene's box and leave it
+ * before their end may be asked without one. */
+static inline bool rc_end_beyond(SceneArrays scene, const LidarTables* t) {
+  global const BvhNode* root = rc_node(scene, 0u);
+  const float4 end = t->shot[RC_SHOT_REFERENCE] - t->shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START];
+  float4 low = INFINITY, high = -INFINITY;
+  for (uint slot = 0; slot < root->count; ++slot) {
+    low = fmin(low, (float4)(root->lo_x[slot], root->lo_y[slot], root->lo_z[slot], 0.0f));
+    high = fmax(high, (float4)(root->hi_x[slot], root->hi_y[slot], root->hi_z[slot], 0.0f));
+  }
+  const float slack = 64.0f * RC_ULP * root->reach;
+  return end.x > high.x + slack || end.x < low.x - slack || end.y > high.y + slack || end.y < low.y - slack ||
+         end.z > high.z + slack || end.z < low.z - slack;
+}
+
 /* Which of the lanes see the end, plates on the way: visible[line]. v: from the end to the vertices; facing: cosines
  * there. Returns how many rays were sent. */
 static inline uint rc_ways_open(SceneArrays scene, const LidarTables* t, const Vertex16* vertex, Vector16 v,
                                 float16 facing, uint lanes, float (*visible)[16]) {
   RC_LINE float place[3][16], front[3][16], back[3][16], side[16];
-  uint rays = 0;
+  uint rays = 0, asked = 0;
   rc_store_vector16(v, place);
   rc_store_vector16(vertex->front, front);
   rc_store_vector16(vertex->back, back);
   rc_store16(facing, 0, side);
-  for (uint k = 0; k < 16u; ++k) {
-    float share[RC_LASER_LINES];
-    for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
-    if (lanes >> k & 1u) {
-      const float4 from = side[k] > 0.0f ? rc_lane4(front, k) : rc_lane4(back, k);
-      bool any = side[k] > 0.0f;
+  for (; lanes; lanes &= lanes - 1u) {
+    const uint k = rc_lowest(lanes);
+    bool any = side[k] > 0.0f;
 #if RC_LEAVES
-      for (uint line = 0; line < RC_LASER_LINES; ++line)
-        any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
+    for (uint line = 0; line < RC_LASER_LINES; ++line)
+      any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
 #endif
-      if (any) rays += rc_way_open(scene, t, from, -rc_lane4(place, k), share);
+    if (any) asked |= 1u << k;
+  }
+  for (uint line = 0; line < RC_LASER_LINES; ++line)
+    for (uint k = 0; k < 16u; ++k) visible[line][k] = 0.0f;
+#if !RC_PLATES
+  if (popcount(asked) > RC_FEW_RAYS && rc_end_beyond(scene, t)) { /* sixteen at once */
+    Rays16 ways;
+    for (uint left = asked; left; left &= left - 1u) {
+      const uint k = rc_lowest(left);
+      rc_put_ray(&ways, k, side[k] > 0.0f ? rc_lane4(front, k) : rc_lane4(back, k), -rc_lane4(place, k));
     }
+    const uint open = asked & ~rc_hidden_of(scene, &ways, asked, RC_NONE, 0u);
+    for (uint line = 0; line < RC_LASER_LINES; ++line)
+      for (uint left = open; left; left &= left - 1u) visible[line][rc_lowest(left)] = 1.0f;
+    return popcount(asked);
+  }
+#endif
+  for (; asked; asked &= asked - 1u) {
+    const uint k = rc_lowest(asked);
+    float share[RC_LASER_LINES];
+    rays += rc_way_open(scene, t, side[k] > 0.0f ? rc_lane4(front, k) : rc_lane4(back, k), -rc_lane4(place, k), share);
     for (uint line = 0; line < RC_LASER_LINES; ++line) visible[line][k] = share[line];
   }
   return rays;

@@ -51,7 +51,7 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
 
 /* 16 rays from Q, the place near the scene that points are kept relative to (layout.h). a, b: sub-rays or samples;
  * leaves: where each leaves from, beside the middle of the exit. */
-static inline void rc_begin_rays(const LidarTables* t, float16 a, float16 b, uint first_ray, Rays16* rays,
+static inline void rc_begin_rays(const LidarTables* t, float16 a, float16 b, uint first_ray, PulseRays16* rays,
                                  Vector16* leaves) {
   global const float4* shot = t->shot;
   const float4 du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
@@ -72,7 +72,7 @@ static inline void rc_begin_rays(const LidarTables* t, float16 a, float16 b, uin
 }
 
 /* Photons, way and energy that the rays of a word begin with. */
-static inline void rc_begin_paths(const LidarTables* t, const Rays16* rays, int16 exists, uint first_ray,
+static inline void rc_begin_paths(const LidarTables* t, const PulseRays16* rays, int16 exists, uint first_ray,
                                   Paths16* paths) {
   global const float4* shot = t->shot;
   paths->way = rays->direction;
@@ -156,8 +156,9 @@ static inline void rc_split_at_vertex(const LidarTables* t, const Vertex16* vert
 
 #if RC_PLATES
 /* Traces on the rays that plates let through and ends the others. last: none may go on. */
-static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const Vertex16* vertex, const Rays16* rays,
-                                  bool last, Paths16* paths, uint16* instances, uint16* primitives, LidarSums* sums) {
+static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const Vertex16* vertex,
+                                  const PulseRays16* rays, bool last, Paths16* paths, uint16* instances,
+                                  uint16* primitives, LidarSums* sums) {
   uint through = 0;
   RC_LINE float from[3][16], way[3][16];
   Hits16 hits;
@@ -189,7 +190,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   global const float4* shot = t->shot;
   const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START];
   const int16 exists = a < INFINITY;
-  Rays16 rays;
+  PulseRays16 rays;
   Vector16 leaves;
   Paths16 paths;
   rc_begin_rays(t, select((float16)(0.0f), a, exists), select((float16)(0.0f), b, exists), first_ray, &rays, &leaves);

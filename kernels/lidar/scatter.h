@@ -168,7 +168,7 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
     }
     rc_end_lanes(paths, missed & paths->live, sums, RC_LEDGER_ESCAPED);
     if (!paths->live) return;
-    const Rays16 rays = {rc_load_vector16(from), {0.0f, 0.0f, 0.0f}, rc_load_vector16(way)};
+    const PulseRays16 rays = {rc_load_vector16(from), {0.0f, 0.0f, 0.0f}, rc_load_vector16(way)};
     rc_meet(scene, rc_load16(0, hits.instance), rc_load16(0, hits.primitive), paths->live, &rays, &vertex);
     const int16 live = rc_bits16(paths->live);
     const float16 along = select((float16)(0.0f), fmax(vertex.along, 0.0f), live);

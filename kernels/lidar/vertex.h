@@ -7,9 +7,9 @@
 
 /* 16 rays origin + offset + tau direction. The offset is small against the origin and never added to it before the
  * difference from a triangle's corner is taken. */
-typedef struct Rays16 {
+typedef struct PulseRays16 {
   Vector16 origin, offset, direction;
-} Rays16;
+} PulseRays16;
 
 typedef struct Hits16 {
   uint instance[16], primitive[16]; /* primitive 0 where nothing was hit */
@@ -67,8 +67,8 @@ static inline float16 rc_beyond16(float16 p, float16 a, float16 b, float16 c) {
 }
 
 /* One instance's lanes; the others come out as numbers nobody reads. */
-static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const Rays16* rays, int16 lanes,
-                                    float16* along, Vector16* towards) {
+static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const PulseRays16* rays,
+                                    int16 lanes, float16* along, Vector16* towards) {
   const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
   const bool same = placed->flags & 1u;
   Vector16 o = rays->origin, s = rays->offset, d = rays->direction;
@@ -119,7 +119,7 @@ static inline void rc_meet_instance(global const Instance* placed, const Vector1
 }
 
 /* The vertices of the lanes in `live`. */
-static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitives, uint live, const Rays16* rays,
+static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitives, uint live, const PulseRays16* rays,
                            Vertex16* vertex) {
   RC_LINE uint instance_of[16], primitive_of[16];
   rc_store16(instances, 0, instance_of);
