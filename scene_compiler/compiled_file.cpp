@@ -112,6 +112,7 @@ void archive_content(Archive& ar, Scene& scene) {
     ar(material.transmittance.wavelength_um);
     ar(material.transmittance.value);
     ar(material.temperature_K);
+    ar(material.las_class);
   }
   ar(scene.surfaces);
   for (auto& mesh : scene.meshes) {

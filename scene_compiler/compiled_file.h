@@ -8,7 +8,7 @@
 namespace raycube::scene {
 
 /// Layout version of .rcs files; a file of another version is refused.
-inline constexpr std::uint32_t kCompiledFileVersion = 11;
+inline constexpr std::uint32_t kCompiledFileVersion = 12;
 
 /// SHA-256 (hex) of the origin, materials (names, curves; not the text of their source), surfaces, meshes, trees,
 /// instances, nodes and blocks, and of volumes, ways of transmission and gloss where there are any, in the byte order

@@ -62,6 +62,7 @@ struct Material {
   Curve reflectance;
   Curve transmittance;            ///< empty when opaque
   double temperature_K = 0;       ///< fixed temperature of everything made of it; 0: none given
+  std::int32_t las_class = 1;     ///< of LIDAR returns, as ASPRS numbers classes
   Shape front{RC_SHAPE_lambert};  ///< how its reflectance is spread over directions
   Shape behind{RC_SHAPE_leaf};    ///< where its transmittance goes
   Shape gloss{RC_SHAPE_none};     ///< beside its reflectance

@@ -139,6 +139,8 @@ std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, cons
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
       problems.add(record.where, "the name '" + name + "' is taken", "first in " + place->second.text(), "rename one");
     out.push_back(read_lidar(record, parts, box, has_sun, {name, notices, problems}));
+    out.back().strip = static_cast<int>(record.given("strip") ? record.integer("strip")
+                                                              : std::min<std::int64_t>(65535, std::ssize(out)));
   }
   return out;
 }

@@ -165,6 +165,7 @@ struct Lidar {
   std::vector<LidarPose> trajectory;  ///< ascending times; one pose: a platform at rest
   double prf_hz = 1000;
   std::int64_t pulses = 1;
+  int strip = 1;                ///< number of the flight line
   double first_pulse_s = 0;     ///< time of pulse 0 on the trajectory's clock
   double gps_start_s = 0;       ///< added to pulse times in LAS: adjusted standard GPS time
   bool fold_ambiguous = false;  ///< returns of earlier pulses join the gate they arrive in

@@ -344,6 +344,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
         check_gloss(record, material, problems);
       }
       material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
+      material.las_class = static_cast<std::int32_t>(record.integer("las_class"));
       if (record.given("source")) material.source = record.text("source");
     }
     if (name.empty()) continue;

@@ -19,7 +19,7 @@ using namespace las;
 constexpr std::size_t kBuffer_bytes = std::size_t{4} << 20;
 constexpr std::size_t kCounts_bytes =
     192;  ///< of the text of our VLR, padded: its place comes before the numbers are known
-constexpr std::uint16_t kTruth_bytes = 63;
+constexpr std::uint16_t kTruth_bytes = 67;
 constexpr double kLightSpeed_m_s = 299792458.0;
 
 struct ExtraField {
@@ -41,6 +41,7 @@ constexpr ExtraField kExtraFields[] = {{7, "pulse_id", "number of the pulse", fa
                                        {9, "gff", "geometric form factor", false},
                                        {9, "trans_2way", "air transmission both ways", false},
                                        {9, "subray_fraction", "share of the footprint", false},
+                                       {5, "pixel", "pixel of the array", false},
                                        {9, "energy_pe", "measured photo-electrons", false}};
 
 std::string vlr(const char* user, std::uint16_t id, const std::string& description, const std::string& data) {
@@ -107,6 +108,7 @@ void put_truth(unsigned char* record, const LasTruth& truth) {
   next(truth.gff);
   next(truth.transmission_2way);
   next(truth.subray_fraction);
+  next(truth.pixel);
   next(truth.energy_pe);
 }
 

@@ -28,6 +28,7 @@ struct LasTruth {
   float gff = 1;                ///< geometric form factor (overlap)
   float transmission_2way = 1;  ///< of the air, to the surface and back
   float subray_fraction = 1;    ///< share of the footprint that brought the echo
+  std::uint32_t pixel = 0;      ///< of an array
   float energy_pe = 0;          ///< measured: photo-electrons in the echo
 };
 
@@ -108,6 +109,7 @@ class LasWriter {
   int format() const { return packets_file_ ? 9 : 6; }
   std::uint64_t points() const { return count_; }
   std::uint64_t packets() const { return packet_count_; }
+  double scale_m() const { return options_.scale_m; }
   /// Photo-electrons per unit of intensity, so far.
   double intensity_unit_pe() const;
 

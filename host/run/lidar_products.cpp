@@ -19,6 +19,8 @@
 #include "host/run/lidar_csv.h"
 #include "host/run/python_chart.h"
 #include "host/lidar/return_truth.h"
+#include "host/lidar/scan_line.h"
+#include "host/lidar/shot.h"
 #include "host/products/las_writer.h"
 #include "host/products/map_grid.h"
 #include "host/products/time_cube.h"
@@ -36,6 +38,30 @@ std::uint32_t spacing_ps(const scene::LidarGate& gate) {
   const double ps = gate.bin_s * 1e12, whole = std::round(ps);
   return whole >= 1 && whole < 4294967296.0 && std::abs(ps - whole) < 1e-6 * whole ? static_cast<std::uint32_t>(whole)
                                                                                    : 0;
+}
+
+/// Step of coordinates that holds whatever a gate may hold: 0.1 mm, or as much coarser by powers of ten as it takes. By
+/// ends of the gate as pulses all along the survey have them, and a twentieth more.
+double las_scale_m(const lidar::LidarPlan& plan, std::uint64_t seed) {
+  const scene::Lidar& lidar = plan.lidar;
+  constexpr std::int64_t kPulses = 512;
+  const double per_s = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index,
+               begin_m = std::max(0.0, per_s * lidar.gate.start_s),
+               end_m = per_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s);
+  double farthest_m = 0;
+  for (std::int64_t i = 0; i < std::min(kPulses, lidar.pulses); ++i) {
+    const std::int64_t pulse =
+        std::llround(static_cast<double>(i) * static_cast<double>(lidar.pulses - 1) /
+                     static_cast<double>(std::max<std::int64_t>(1, std::min(kPulses, lidar.pulses) - 1)));
+    for (const auto& shot : lidar::make_shots(lidar, pulse, 1, seed))
+      for (const int pixel : {0, plan.pixels() - 1})
+        for (const double range_m : {begin_m, end_m})
+          for (const double at : lidar::apparent_point(plan, shot, pixel, range_m))
+            if (std::isfinite(at)) farthest_m = std::max(farthest_m, std::abs(at));
+  }
+  double scale_m = 1e-4;
+  while (1.05 * farthest_m > 2147483647.0 * scale_m) scale_m *= 10;
+  return scale_m;
 }
 
 /// Unit vector along which a pixel's returns move away.
@@ -87,6 +113,8 @@ struct LidarProducts::State {
       packets = waveform_file = &set.add("returns.wdp");
     const auto& origin = simulation.scene.origin;
     products::LasOptions options;
+    options.scale_m = las_scale_m(plan, simulation.seed);
+    options.source_id = static_cast<std::uint16_t>(lidar.strip);
     options.offset_m = {origin.easting_m, origin.northing_m, origin.height_m};
     if (origin.epsg != 0) options.wkt = products::projected_wkt(origin.epsg);
     options.descriptor_room = waveforms ? kDescriptorRoom : 0;
@@ -192,10 +220,13 @@ struct LidarProducts::State {
     p.user_data = static_cast<std::uint8_t>(std::min(d.line, 255));
     constexpr std::uint8_t kUnclassified = 1, kNoise = 7;  // ASPRS standard classes
     const double doubtful = lidar.echoes.noise_class_above;
-    p.classification = doubtful > 0 && static_cast<double>(echo.chance) > doubtful ? kNoise : kUnclassified;
-    p.scan_to_right = shot.scan_angle_rad > last_scan_angle_rad;
+    const bool known = behind.material < simulation.scene.materials.size();
+    p.classification = doubtful > 0 && static_cast<double>(echo.chance) > doubtful ? kNoise
+                       : known ? static_cast<std::uint8_t>(simulation.scene.materials[behind.material].las_class)
+                               : kUnclassified;
+    p.scan_to_right = line.to_right();
     p.scan_angle_deg = std::remainder(base::deg_from_rad(shot.scan_angle_rad), 360.0);
-    p.source_id = static_cast<std::uint16_t>(d.pixel);
+    p.source_id = static_cast<std::uint16_t>(lidar.strip);
     p.gps_time_s = lidar.gps_start_s + shot.time_s;
     p.packet = packet;
     // Samples stand for the middles of their bins.
@@ -217,8 +248,18 @@ struct LidarProducts::State {
     t.gff = behind.overlap;
     t.transmission_2way = behind.transmission_2way;
     t.subray_fraction = behind.subray_share;
+    t.pixel = static_cast<std::uint32_t>(d.pixel);
     t.energy_pe = echo.energy_pe;
-    las->add_point(p);
+    last_points.push_back(p);
+  }
+
+  /// Points wait for the next pulse that has some: it tells whether they end a line of the scan.
+  void flush_points(bool end_of_line) {
+    for (products::LasPoint& p : last_points) {
+      p.edge_of_line = end_of_line;
+      las->add_point(p);
+    }
+    last_points.clear();
   }
 
   void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections,
@@ -234,6 +275,8 @@ struct LidarProducts::State {
       throw base::Error(base::Fault::bug, "shots with and without records in one run");
     }
     const std::uint64_t before = returns;
+    if (line.next(result.shot.scan_angle_rad)) flush_points(true);
+    const std::size_t waiting = last_points.size();
     for (int pixel = 0; pixel < plan.pixels(); ++pixel) {
       if (cube || !detected) collect(result, detections, pixel);
       if (!detected) digest.add(values.data(), values.size() * sizeof(float));
@@ -245,7 +288,13 @@ struct LidarProducts::State {
     }
     if (tables) tables->add_shot(result, detections, static_cast<std::int64_t>(shots) * plan.pixels());
     without_return += returns == before;
-    last_scan_angle_rad = result.shot.scan_angle_rad;
+    if (last_points.size() > waiting && waiting > 0) {  // the pulse before ends no line
+      std::vector<products::LasPoint> own(last_points.begin() + static_cast<std::ptrdiff_t>(waiting),
+                                          last_points.end());
+      last_points.resize(waiting);
+      flush_points(false);
+      last_points = std::move(own);
+    }
     ++shots;
     rays += static_cast<std::uint64_t>(result.rays);
   }
@@ -322,7 +371,8 @@ struct LidarProducts::State {
   std::vector<float> values;
   std::vector<std::string> warnings;
   bool detected = false, las_waveforms = false;
-  double last_scan_angle_rad = 0;
+  lidar::ScanLine line{lidar.scan.pattern};
+  std::vector<products::LasPoint> last_points;  ///< of the last pulse that had some
   std::uint64_t shots = 0, returns = 0, without_return = 0, record_count = 0, empty_records = 0, rays = 0;
 };
 
@@ -370,6 +420,7 @@ void LidarProducts::publish(products::RunRecord& record) {
     record.bands = static_cast<std::int64_t>(s.cube->bands());
   }
   if (s.las) {
+    s.flush_points(s.line.scans());
     s.las->finish(s.shots, s.without_return);
     record.files.emplace_back("returns.las", fmt::format("returns, LAS 1.4 format {}, {}", s.las->format(), where));
     if (s.las_waveforms && !s.lidar.products.internal_waveforms)
@@ -390,7 +441,7 @@ void LidarProducts::publish(products::RunRecord& record) {
                   {"returns", s.returns},
                   {"bin_s", s.lidar.gate.bin_s},
                   {"gate_start_s", s.lidar.gate.start_s}};
-  if (s.las) figures["las_intensity_unit_pe"] = s.las->intensity_unit_pe();
+  if (s.las) figures["las_intensity_unit_pe"] = s.las->intensity_unit_pe(), figures["las_scale_m"] = s.las->scale_m();
   figures["pictures"] = s.picture_facts();
   record.more_json.emplace_back("lidar", figures.dump());
   if (s.lidar.products.png) s.draw(record);

@@ -22,9 +22,9 @@ except ImportError as reason:
 checks = 0
 kExtra = (
     "pulse_id range range_true expected_pe echo_fwhm_ns pd bounce_order object_id material_id incidence_deg gff "
-    "trans_2way subray_fraction energy_pe"
+    "trans_2way subray_fraction pixel energy_pe"
 ).split()
-kTypes = "u8 f8 f8 f4 f4 f4 u1 u4 u2 f4 f4 f4 f4 f4".split()
+kTypes = "u8 f8 f8 f4 f4 f4 u1 u4 u2 f4 f4 f4 f4 u4 f4".split()
 
 
 def check(condition, *what):
@@ -117,7 +117,8 @@ def runs(program, folder):
         check(las.header.point_format.id == 9 and getattr(las.header.global_encoding, f"waveform_data_packets_{waves}"))
         check(sum(las.header.number_of_points_by_return) == len(las.points) == las.header.point_count > 500)
         check(
-            int(las.point_source_id.max()) == pixels - 1
+            int(las.pixel.max()) == pixels - 1
+            and set(numpy.asarray(las.point_source_id)) == {1}
             and set(numpy.asarray(las.material_id)) == {0, 1}
             and (las.intensity.max() > 32767)
         )

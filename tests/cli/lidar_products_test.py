@@ -68,16 +68,16 @@ def points_and_table(las, returns, east, north, up):
         for got, key in zip(point["xyz"], (east, north, up)):
             check(abs(got - float(row[key])) <= 0.5e-4 + 2e-9, key, got, row[key])  # stored to 0.1 mm
         check(point["return_number"] == int(row["return"]) and point["number_of_returns"] == int(row["of"]))
-        check(point["gps_time"] == float(row["gps_time_s"]) and point["point_source_id"] == int(row["pixel"]))
+        check(point["gps_time"] == float(row["gps_time_s"]) and point["point_source_id"] == 1)
         check(point["intensity"] == round(float(row["energy_pe"]) / unit), point["intensity"], row)
-        truth = struct.unpack("<QddfffBIHfffff", las.extra(number))
+        truth = struct.unpack("<QddfffBIHffffIf", las.extra(number))
         check(
             truth[0] == int(row["pulse"])
             and truth[1] == float(row["range_m"])
             and truth[2] == float(row["range_true_m"])
         )
         for value, key in zip(
-            truth[3:6] + truth[9:],
+            truth[3:6] + truth[9:13] + truth[14:],
             (
                 "expected_pe",
                 "fwhm_ns",
@@ -92,6 +92,7 @@ def points_and_table(las, returns, east, north, up):
             check(value == numpy.float32(row[key]), key, value, row[key])
         check(
             truth[6] == int(row["order"])
+            and truth[13] == int(row["pixel"])
             and str(truth[7]) == row["object"]
             and ["grass", "roof"][truth[8]] == row["material"],
             truth,
