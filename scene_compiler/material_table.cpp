@@ -48,6 +48,14 @@ void extend(Curve& curve, double value) {
   curve.value.insert(curve.value.end(), 2, value);
 }
 
+/// The same before the curve begins.
+void extend_down(Curve& curve, double value) {
+  if (curve.wavelength_um.empty() || curve.wavelength_um.front() <= kConstantFirstUm) return;
+  const double first_um = curve.wavelength_um.front();
+  curve.wavelength_um.insert(curve.wavelength_um.begin(), {kConstantFirstUm, first_um * (1 - 1e-6)});
+  curve.value.insert(curve.value.begin(), 2, value);
+}
+
 /// Below its first wavelength a leaf keeps its first value.
 void hold_below(Curve& curve) {
   curve.wavelength_um.insert(curve.wavelength_um.begin(), kLeafFirst_um);
@@ -77,6 +85,7 @@ SpectrumRequest request_of(const Record& record) {
   request.reflectance_column = record.text("reflectance_column");
   request.transmittance_column = record.text("transmittance_column");
   if (record.given("scale")) request.scale = record.number("scale");
+  request.wavelengths = record.text("wavelengths");
   request.medium = record.text("medium");
   request.asked_by = record.place(record.given("family") ? "family" : record.given("spectrum") ? "spectrum" : "file");
   return request;
@@ -102,7 +111,7 @@ bool has_one_source(const Record& record, Problems& problems) {
   const std::string of = family                 ? "a family"
                          : sources[0] == "leaf" ? "a leaf of its content"
                                                 : "a constant reflectance";
-  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "scale", "medium"}) {
+  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "scale", "wavelengths", "medium"}) {
     const bool of_a_file = family && (key == std::string_view("scale") || key == std::string_view("medium"));
     if (sources[0] != "file" && !of_a_file && record.given(key)) {
       problems.add(record.place(key), std::string("'") + key + "' means nothing for " + of, "",
@@ -110,10 +119,11 @@ bool has_one_source(const Record& record, Problems& problems) {
       return false;
     }
   }
-  if (sources[0] == "reflectance" && record.given("reflectance_beyond")) {
-    problems.add(record.place("reflectance_beyond"), "'reflectance_beyond' means nothing for " + of, "", "remove it");
-    return false;
-  }
+  for (const char* key : {"reflectance_beyond", "reflectance_below"})
+    if (sources[0] == "reflectance" && record.given(key)) {
+      problems.add(record.place(key), std::string("'") + key + "' means nothing for " + of, "", "remove it");
+      return false;
+    }
   if (sources[0] == "reflectance" || !record.given("transmittance")) return true;
   problems.add(record.place("transmittance"), "'transmittance' goes with a constant reflectance",
                number_text(record.number("transmittance")),
@@ -334,6 +344,10 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       if (record.given("reflectance_beyond") && !material.reflectance.value.empty()) {
         extend(material.reflectance, record.number("reflectance_beyond"));
         extend(material.transmittance, 0);
+      }
+      if (record.given("reflectance_below") && !material.reflectance.value.empty()) {
+        extend_down(material.reflectance, record.number("reflectance_below"));
+        extend_down(material.transmittance, 0);
       }
       if (record.sound && !material.reflectance.value.empty()) {
         read_front(record, material, members.front(), problems);

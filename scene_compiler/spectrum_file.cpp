@@ -8,6 +8,7 @@
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/envi_library.h"
+#include "scene_compiler/spectrometer_file.h"
 
 namespace raycube::scene {
 namespace {
@@ -16,7 +17,8 @@ using base::Problems;
 using base::Where;
 
 constexpr double kShortestUm = 0.05, kLongestUm = 1000.0;
-constexpr std::size_t kMaxSpectrumReports = 20;
+constexpr double kNoData = 1e30;  ///< USGS marks what it deleted by -1.23e34
+constexpr double kNoise = 0.05;   ///< spectrometers' values lie so far below 0 by noise
 
 bool is_air(const std::string& asked, const std::string& file_says, const std::string& file, Problems& problems) {
   const std::string medium = lower_case(asked.empty() ? file_says : asked);
@@ -39,6 +41,16 @@ Material material_of(const std::vector<SpectrumPoint>& points, bool has_transmit
   return out;
 }
 
+bool is_data(double value) { return std::isfinite(value) && std::abs(value) < kNoData; }
+
+/// Points that hold data; said in `source`, how many do not.
+std::vector<SpectrumPoint> with_data(std::vector<SpectrumPoint> points, std::string& note) {
+  const std::size_t all = points.size();
+  std::erase_if(points, [](const SpectrumPoint& p) { return !is_data(p.reflectance) || !is_data(p.transmittance); });
+  if (points.size() < all) note += ", " + std::to_string(all - points.size()) + " samples without data left out";
+  return points;
+}
+
 /// Which column of a CSV is the wavelength, and its unit in um; nullopt after reporting.
 std::optional<std::pair<std::size_t, double>> wavelength_column(const CsvFile& csv, Problems& problems) {
   for (std::size_t i = csv.columns.size(); i-- > 0;)
@@ -52,25 +64,47 @@ std::optional<std::pair<std::size_t, double>> wavelength_column(const CsvFile& c
 std::optional<Material> column_spectrum(const CsvFile& csv, std::pair<std::size_t, double> wavelength,
                                         std::size_t reflectance, std::optional<std::size_t> transmittance,
                                         const SpectrumRequest& request, Problems& problems) {
-  const std::size_t before = problems.lines().size();
   const double scale = request.scale.value_or(1.0);
   std::vector<SpectrumPoint> points;
-  for (std::size_t row = 0; row < csv.rows.size() && problems.lines().size() < before + kMaxSpectrumReports; ++row) {
-    const auto w = csv.number(row, wavelength.first, problems), r = csv.number(row, reflectance, problems);
-    const auto t = transmittance ? csv.number(row, *transmittance, problems) : std::optional(0.0);
+  std::optional<std::pair<std::size_t, std::size_t>> unread;  // row and column of the first cell that is no number
+  std::size_t more_unread = 0;
+  const auto value = [&](std::size_t row, std::size_t column) -> std::optional<double> {
+    const auto number = parse_number(csv.rows[row][column]);
+    if (number && (column != wavelength.first || std::isfinite(*number))) return number;
+    if (unread)
+      ++more_unread;
+    else
+      unread = {row, column};
+    return std::nullopt;
+  };
+  for (std::size_t row = 0; row < csv.rows.size(); ++row) {
+    const auto w = value(row, wavelength.first), r = value(row, reflectance);
+    const auto t = transmittance ? value(row, *transmittance) : std::optional(0.0);
     if (w && r && t)
-      points.push_back({*w * wavelength.second, *r * scale, *t * scale, {csv.file, csv.row_lines[row], 0, ""}});
+      points.push_back({*w * wavelength.second,
+                        is_data(*r) ? *r * scale : NAN,
+                        is_data(*t) ? *t * scale : NAN,
+                        {csv.file, csv.row_lines[row], 0, ""}});
   }
-  const bool numbers_sound = problems.lines().size() == before;
+  if (unread) {
+    const std::string& cell = csv.rows[unread->first][unread->second];
+    problems.add(csv.at(unread->first, unread->second), "not a number",
+                 (cell.empty() ? "nothing" : "'" + cell + "'") +
+                     (more_unread > 0 ? ", and in " + std::to_string(more_unread) + " more cells" : ""),
+                 "give a number like 0.25, nan where there is none, or remove the line");
+    return std::nullopt;
+  }
+  std::string note;
+  points = with_data(std::move(points), note);
   const bool sound = check_spectrum(points, csv.file, problems);
   const auto comment = [&](const char* key) {
     const auto found = csv.comments.find(key);
     return found == csv.comments.end() ? std::string() : found->second;
   };
   const bool air = is_air(request.medium, comment("medium"), csv.file, problems);
-  if (!sound || !numbers_sound) return std::nullopt;
+  if (!sound) return std::nullopt;
   Material out = material_of(points, transmittance.has_value(), air);
-  out.source = comment("source").empty() ? comment("source file") : comment("source");
+  out.source = (comment("source").empty() ? comment("source file") : comment("source")) + note;
   return out;
 }
 
@@ -96,9 +130,12 @@ std::optional<Material> library_spectrum(const EnviLibrary& library, std::size_t
                       library.spectra[line][i] * scale,
                       0,
                       {request.file, 0, 0, "spectrum '" + library.names[line] + "', sample " + std::to_string(i + 1)}});
+  std::string note;
+  points = with_data(std::move(points), note);
   if (!check_spectrum(points, request.file, problems)) return std::nullopt;
   Material out = material_of(points, false, is_air(request.medium, "", request.file, problems));
-  out.source = std::filesystem::path(request.file).filename().string() + ", spectrum '" + library.names[line] + "'";
+  out.source =
+      std::filesystem::path(request.file).filename().string() + ", spectrum '" + library.names[line] + "'" + note;
   return out;
 }
 
@@ -119,6 +156,38 @@ std::optional<Material> read_library_spectrum(const SpectrumRequest& request, Pr
     }
   }
   return library_spectrum(*library, line, request, problems);
+}
+
+/// Of a spectrometer's file: sorted, values at one wavelength averaged, noise below 0 as 0.
+std::optional<Material> spectrometer_spectrum(const SpectrometerFile& file, const SpectrumRequest& request,
+                                              Problems& problems) {
+  std::string note;
+  std::vector<SpectrumPoint> points;
+  for (std::size_t i = 0; i < file.value.size(); ++i)
+    points.push_back({file.wavelength_um[i],
+                      is_data(file.value[i]) ? file.value[i] * request.scale.value_or(file.scale) : NAN,
+                      0,
+                      {request.file, file.line[i], 0, ""}});
+  points = with_data(std::move(points), note);
+  std::stable_sort(points.begin(), points.end(),
+                   [](const SpectrumPoint& a, const SpectrumPoint& b) { return a.wavelength_um < b.wavelength_um; });
+  std::vector<SpectrumPoint> apart;
+  std::size_t noisy = 0;
+  for (std::size_t first = 0; first < points.size();) {
+    SpectrumPoint mean = points[first];
+    std::size_t next = first + 1;
+    for (; next < points.size() && points[next].wavelength_um == mean.wavelength_um; ++next)
+      mean.reflectance += points[next].reflectance;
+    mean.reflectance /= static_cast<double>(next - first);
+    if (mean.reflectance < 0 && mean.reflectance >= -kNoise) mean.reflectance = 0, ++noisy;
+    apart.push_back(mean);
+    first = next;
+  }
+  if (noisy > 0) note += ", " + std::to_string(noisy) + " values below 0 taken as 0";
+  if (!check_spectrum(apart, request.file, problems)) return std::nullopt;
+  Material out = material_of(apart, false, is_air(request.medium, "", request.file, problems));
+  out.source = file.kind + ", " + file.name + note;
+  return out;
 }
 
 /// Whether the file is a library; a header in its place is reported.
@@ -175,11 +244,27 @@ std::optional<double> wavelength_unit_um(const std::string& column) {
 }
 
 bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string& file, Problems& problems) {
-  std::size_t reports = 0;
+  struct Cause {
+    Where where;
+    std::string what, found, way_out;
+    std::size_t points = 0;
+  };
+  std::vector<Cause> causes;  // each told once, by the first point that has it
   const auto report = [&](const SpectrumPoint& point, const std::string& what, const std::string& found,
                           const std::string& way_out) {
-    if (++reports <= kMaxSpectrumReports) problems.add(point.where, what, found, way_out);
+    for (Cause& cause : causes)
+      if (cause.what == what) return void(++cause.points);
+    causes.push_back({point.where, what, found, way_out, 1});
   };
+  double largest = 0;
+  for (const auto& p : points)
+    if (is_data(p.reflectance) && is_data(p.transmittance))
+      largest = std::max({largest, p.reflectance, p.transmittance});
+  const std::string scaled = largest <= 1.5   ? "correct it, or give `scale` if the file is in percent"
+                             : largest <= 150 ? "give scale = 0.01 if the file is in percent, else correct it"
+                             : largest <= 15000
+                                 ? "give scale = 1e-4 if its values are 10 000 times reflectance, else correct it"
+                                 : "correct it, or give `scale`";
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& p = points[i];
     if (!std::isfinite(p.wavelength_um) || p.wavelength_um < kShortestUm || p.wavelength_um > kLongestUm)
@@ -191,41 +276,39 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
       report(p, "wavelengths are not ascending",
              number_text(p.wavelength_um) + " um after " + number_text(points[i - 1].wavelength_um) + " um",
              "sort the file by wavelength");
-    if (!std::isfinite(p.reflectance) || !std::isfinite(p.transmittance)) {
-      const bool transmittance = std::isfinite(p.reflectance);
-      report(p, std::string(transmittance ? "transmittance" : "reflectance") + " is not a finite number",
-             number_text(transmittance ? p.transmittance : p.reflectance), "remove the samples without data");
-      continue;
-    }
     if (!(p.reflectance >= 0 && p.reflectance <= 1))
-      report(p, "reflectance outside 0 .. 1", number_text(p.reflectance),
-             "correct it, or give `scale` if the file is in percent");
+      report(p, "reflectance outside 0 .. 1", number_text(p.reflectance), scaled);
     if (!(p.transmittance >= 0 && p.transmittance <= 1))
-      report(p, "transmittance outside 0 .. 1", number_text(p.transmittance),
-             "correct it, or give `scale` if the file is in percent");
+      report(p, "transmittance outside 0 .. 1", number_text(p.transmittance), scaled);
     // Rounded columns may sum to a few 1e-7 above 1.
     else if (p.reflectance <= 1 && p.reflectance + p.transmittance > 1 + 1e-6)
       report(p, "reflectance + transmittance above 1",
              number_text(p.reflectance) + " + " + number_text(p.transmittance),
              "energy must not be gained: correct the file");
   }
-  if (reports > kMaxSpectrumReports)
-    problems.add({file, 0, 0, ""}, "more points like these", std::to_string(reports - kMaxSpectrumReports) + " more",
-                 "correct the file");
+  for (const Cause& cause : causes)
+    problems.add(
+        cause.where, cause.what,
+        cause.found + (cause.points > 1 ? ", and at " + std::to_string(cause.points - 1) + " more points" : ""),
+        cause.way_out);
   if (points.size() < 2) {
     problems.add({file, 0, 0, ""}, "a spectrum needs at least two points", std::to_string(points.size()),
                  "give more, or a constant `reflectance`");
     return false;
   }
-  return reports == 0;
+  return causes.empty();
 }
 
 std::optional<Material> read_spectrum(const SpectrumRequest& request, Problems& problems) {
   switch (kind_of(request, problems)) {
     case FileKind::library:
       return read_library_spectrum(request, problems);
-    case FileKind::csv:
-      return read_csv_spectrum(request, problems);
+    case FileKind::csv: {
+      bool known = false;
+      const auto file = read_spectrometer_file(request.file, request.wavelengths, request.asked_by, known, problems);
+      if (file) return spectrometer_spectrum(*file, request, problems);
+      return known ? std::nullopt : read_csv_spectrum(request, problems);
+    }
     case FileKind::header:
       break;
   }

@@ -11,18 +11,21 @@
 namespace raycube::scene {
 
 struct SpectrumRequest {
-  std::string file;           ///< .csv, or .sli with its header beside it
+  std::string file;           ///< .csv, .sli with its header beside it, or as spectrometers write (spectrometer_file.h)
   std::string spectrum = {};  ///< name in a library; may be empty when it holds one
   std::string reflectance_column = "reflectance";
   std::string transmittance_column = "transmittance";
   std::optional<double> scale = {};  ///< on the file's values
+  std::string wavelengths = {};      ///< file of them, where a library keeps them apart
   std::string medium = {};           ///< "air", "vacuum", or "" = as the file says
   base::Where asked_by = {};
 };
 
-/// Reads, converts and checks a spectrum; nullopt after reporting every problem. Rules: wavelengths finite,
-/// strictly ascending, 0.05 to 1000 um (catches a wrong unit); at least two points; 0 <= r, t and r + t <= 1.
-/// name is left empty.
+/// Reads, converts and checks a spectrum; nullopt after reporting every kind of problem once. Samples without data
+/// (not a number, or beyond 1e30 as USGS marks them) are left out, and `source` says how many. Rules: wavelengths
+/// finite, strictly ascending, 0.05 to 1000 um (catches a wrong unit); at least two points; 0 <= r, t and r + t <=
+/// 1. Files of spectrometers are sorted, their noise down to -0.05 counts as 0, values at one wavelength are
+/// averaged. name is left empty.
 std::optional<Material> read_spectrum(const SpectrumRequest& request, base::Problems& problems);
 
 /// All spectra of a file, as opaque materials: each of a library, each column of a CSV beside the wavelength's. The
@@ -38,7 +41,7 @@ struct SpectrumPoint {
   base::Where where;
 };
 
-/// The rules above; true when all points keep them. Reports at most 20 points and counts the rest.
+/// The rules above; true when all points keep them. Reports each kind of problem once, with its number.
 bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string& file, base::Problems& problems);
 
 }  // namespace raycube::scene

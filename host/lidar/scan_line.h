@@ -15,8 +15,8 @@ class ScanLine {
   /// Whether there are lines at all: a fixed beam and a cone have none.
   bool scans() const { return pattern_ != scene::ScanPattern::fixed && pattern_ != scene::ScanPattern::palmer; }
 
-  /// The next pulse's angle across, right positive; whether the one before it ended a line: an oscillating mirror turned
-  /// back, any other jumped back.
+  /// The next pulse's angle across, right positive; whether the one before it ended a line: an oscillating mirror
+  /// turned back, any other jumped back.
   bool next(double angle_rad) {
     if (!scans()) return false;
     const std::optional<double> before = angle_rad_;

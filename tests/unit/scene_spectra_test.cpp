@@ -5,6 +5,7 @@
 #include "scene_compiler/air_wavelength.h"
 #include "scene_compiler/band_list.h"
 #include "scene_compiler/envi_library.h"
+#include "scene_compiler/spectrometer_file.h"
 #include "scene_compiler/spectrum_file.h"
 #include "scene_files.h"
 
@@ -219,10 +220,11 @@ TEST_CASE("real input: measured spectra and spectral libraries nobody here wrote
   REQUIRE(vegetation);
   CHECK(vegetation->wavelength_um.size() == 2151);
   CHECK(vegetation->wavelength_um.front() == doctest::Approx(0.35).epsilon(1e-15));
-  // That library holds NaN from sample 2080 on: refused, each sample named.
-  CHECK_SAYS(refusal(folder, std::string(kHead) + "[[material]]\nname = \"v\"\nfile = \"" + data +
-                                 "envi/rstoolbox_vegSpec.sli\"\nspectrum = \"veg_vital\"\n"),
-             "spectrum 'veg_vital', sample 2080: reflectance is not a finite number (found nan)");
+  // That library holds NaN from sample 2080 on: left out, and said.
+  const auto vital = load(folder, std::string(kHead) + "[[material]]\nname = \"v\"\nfile = \"" + data +
+                                      "envi/rstoolbox_vegSpec.sli\"\nspectrum = \"veg_vital\"\n");
+  CHECK(material(vital, "v").reflectance.value.size() == 2079);
+  CHECK_SAYS(material(vital, "v").source, ", 72 samples without data left out");
   const std::string bad = refusal(folder, std::string(kHead) + "[[material]]\nname = \"m\"\nfile = \"" + data +
                                               "spectra/bad_above_one_muufl_field_cloth_red.csv\"\n");
   CHECK_SAYS(bad, "reflectance outside 0 .. 1");
@@ -263,4 +265,139 @@ TEST_CASE("real input: band lists and responses of real sensors") {
                        [](const Band& a, const Band& b) { return a.center_um < b.center_um; }));
   CHECK_SAYS(refusal(folder, instrument("bands = \"" + *shared + "/data/sensors/emit_328_rows_bands.csv\"\n")),
              "band width must be above 0 (found 0");
+}
+
+namespace {
+
+/// A file's spectrum as one material.
+Material as_it_comes(const Folder& folder, const std::string& file, const std::string& more = "") {
+  const std::string text = std::string(kHead) + "[[material]]\nname = \"m\"\nfile = \"" + file + "\"\n" + more;
+  CHECK(refusal(folder, text) == "");
+  return material(load(folder, text), "m");
+}
+
+/// ASD's binary layout by its document: bytes where that says, all others 0.
+std::string asd_file(char type, const std::vector<float>& target, const std::vector<float>& reference) {
+  std::string out(484, '\0');
+  const auto put = [&](std::size_t at, const std::string& raw) { out.replace(at, raw.size(), raw); };
+  put(0, "as7");
+  out[186] = type;
+  put(191, bytes<float>({350.0f, 10.0f}, false));
+  put(204, bytes<std::uint16_t>({static_cast<std::uint16_t>(target.size())}, false));
+  out += bytes(target, false) + std::string(18, '\0') + bytes<std::uint16_t>({3}, false) + "abc";
+  return out + bytes(reference, false);
+}
+
+}  // namespace
+
+TEST_CASE("S42: spectra as they come: libraries and spectrometers by what stands in their files") {
+  const Folder folder;
+  // Percent, longest wavelength first, one of them twice, carriage returns.
+  folder.write("eco.txt",
+               "Name: Lawn\r\nType: vegetation\r\nX Units: Wavelength (micrometers)\r\nY Units: Reflectance "
+               "(percent)\r\nNumber of X Values: 4\r\nAdditional Information: none\r\n\r\n 2.5\t 10.0\r\n 1.0\t "
+               "40.0\t\r\n 1.0\t 50.0\r\n 0.4\t -0.1\r\n");
+  auto m = as_it_comes(folder, "eco.txt");
+  CHECK(m.reflectance.wavelength_um == std::vector<double>{0.4, 1.0, 2.5});
+  CHECK(m.reflectance.value[0] == 0);
+  CHECK(m.reflectance.value[1] == doctest::Approx(0.45).epsilon(1e-15));
+  CHECK(m.source == "ECOSTRESS, Lawn, 1 values below 0 taken as 0");
+  std::string head = "USGS Digital Spectral Library splib06a\n";
+  for (int i = 2; i <= 14; ++i) head += "line " + std::to_string(i) + "\n";
+  folder.write("u6.asc", head +
+                             "Quartz GDS31 W1R1Ba AREF\ncopy of splib05a\n  0.205100  -1.23e34  0.010460\n  "
+                             "0.213100  0.3  0.002\n  2.9  0.4  0.01\n");
+  m = as_it_comes(folder, "u6.asc");
+  CHECK(m.reflectance.wavelength_um == std::vector<double>{0.2131, 2.9});
+  CHECK(m.source == "USGS splib06, Quartz GDS31 W1R1Ba AREF, 1 samples without data left out");
+  folder.write("u7.txt", " splib07a Record=13: Acmite NMNH133746\n -1.2300000e+034\n 0.25\n 0.35\n");
+  folder.write("wavelengths.txt", " splib07a Record=1: Wavelengths ASD 3 ch\n 0.35\n 0.351\n 0.352\n");
+  m = as_it_comes(folder, "u7.txt", "wavelengths = \"wavelengths.txt\"\n");
+  CHECK(m.reflectance.wavelength_um == std::vector<double>{0.351, 0.352});
+  CHECK(m.reflectance.value == std::vector<double>{0.25, 0.35});
+  folder.write("raw.asd", asd_file(0, {10, 20, 30}, {100, 100, 60}));
+  folder.write("ref.asd", asd_file(1, {0.1f, 0.2f, 0.5f}, {}));
+  for (const char* file : {"raw.asd", "ref.asd"}) {
+    m = as_it_comes(folder, file);
+    CHECK(m.reflectance.wavelength_um[2] == doctest::Approx(0.37).epsilon(1e-15));
+    for (std::size_t i = 0; i < 3; ++i)
+      CHECK(m.reflectance.value[i] == doctest::Approx(std::vector{0.1, 0.2, 0.5}[i]).epsilon(1e-7));
+  }
+  folder.write("asd.txt", "Wavelength;leaf00001.asd\n350; 0.25 \n351; 0.35\n");
+  CHECK(as_it_comes(folder, "asd.txt").reflectance.value == std::vector<double>{0.25, 0.35});
+  folder.write("svc.sig",
+               "/*** Spectra Vista SIG Data ***/\nname= gr1.sig\ncomm= \ndata=\n338.5  100.0  20.0  20.00\n"
+               "340.0  100.0  25.0  25.00\n");
+  m = as_it_comes(folder, "svc.sig");
+  CHECK(m.reflectance.wavelength_um[0] == doctest::Approx(0.3385).epsilon(1e-15));
+  CHECK(m.reflectance.value[1] == doctest::Approx(0.25).epsilon(1e-15));
+}
+
+TEST_CASE("S42: spectra as they come are refused by their cause, in one line") {
+  const Folder folder;
+  const auto refused = [&](const std::string& file, const std::string& content, const std::string& more = "") {
+    folder.write(file, content);
+    return refusal(folder, std::string(kHead) + "[[material]]\nname = \"m\"\nfile = \"" + file + "\"\n" + more);
+  };
+  CHECK_SAYS(refused("u7.txt", " splib07a Record=13: Acmite\n 0.2\n 0.3\n"),
+             "a spectrum of splib07 stands without its wavelengths");
+  folder.write("w.txt", " splib07a Record=1: Wavelengths\n 0.35\n");
+  CHECK_SAYS(refused("u7.txt", " splib07a Record=13: Acmite\n 0.2\n 0.3\n", "wavelengths = \"w.txt\"\n"),
+             "(found 1 for 2 values); name those of the same spectrometer");
+  CHECK_SAYS(refused("e.txt", "Name: x\nX Units: Wavenumber (cm-1)\nY Units: Reflectance (percent)\n1 2\n"),
+             "X Units: unknown unit of wavelengths (found wavenumber (cm-1))");
+  CHECK_SAYS(refused("e.txt", "Name: x\nX Units: Wavelength (micrometers)\nY Units: Transmittance (percent)\n1 2\n"),
+             "Y Units: no reflectance (found transmittance (percent))");
+  CHECK_SAYS(refused("a.asd", asd_file(0, {10, 20}, {})), "an ASD file without its white reference");
+  CHECK_SAYS(refused("a.asd", asd_file(2, {10, 20}, {1, 1})), "an ASD file that holds no reflectance (found data of");
+  CHECK_SAYS(refused("a.asd", asd_file(1, {1, 1}, {}).substr(0, 300)), "an ASD file ends in its header");
+  CHECK_SAYS(refused("s.sig", "/*** Spectra Vista SIG Data ***/\nname= x\n"), "without data (found no line 'data=')");
+  CHECK(line_count(refused("e.txt",
+                           "X Units: Wavelength (micrometers)\nY Units: Reflectance (percent)\n0.4 20\n0.5 "
+                           "300\n0.6 400\n")) == 1);
+}
+
+TEST_CASE("S42: a spectrum is held at both ends where that is asked for") {
+  const Folder folder;
+  folder.write("m.csv", "wavelength_um,reflectance,transmittance\n0.4,0.2,0.1\n2.5,0.3,0.1\n");
+  const auto m = as_it_comes(folder, "m.csv", "reflectance_below = 0.05\nreflectance_beyond = 0.04\n");
+  CHECK(m.reflectance.value == std::vector<double>{0.05, 0.05, 0.2, 0.3, 0.04, 0.04});
+  CHECK(m.transmittance.value == std::vector<double>{0, 0, 0.1, 0.1, 0, 0});
+  CHECK(m.reflectance.wavelength_um.front() == 0.1);
+  CHECK(m.reflectance.wavelength_um.back() == 100);
+}
+
+TEST_CASE("real input: spectra of ASTER, USGS and ASD in their own layouts, which nobody here wrote") {
+  const auto shared = shared_folder("spectra as they come");
+  if (!shared) return;
+  const Folder folder;
+  const std::string data = *shared + "/data/";
+  const auto conifer = as_it_comes(
+      folder, data + "spectra/aster_ascii/jhu.becknic.vegetation.trees.conifers.solid.conifer.spectrum.txt");
+  CHECK(conifer.reflectance.wavelength_um.size() == 550);  // as its header says
+  CHECK(conifer.reflectance.wavelength_um.front() == 0.302);
+  CHECK(conifer.reflectance.value.front() == doctest::Approx(0.03948).epsilon(1e-12));
+  const auto aloe = as_it_comes(
+      folder, data + "spectra/aster_ascii/vegetation.tree.aloe.bainesii.all.jpl057.jpl.asdnicolet.spectrum.txt");
+  CHECK(aloe.reflectance.wavelength_um.size() == 3888);
+  const auto butlerite = as_it_comes(folder, data + "spectra/usgs_ascii/butlerite_gds25.3947.asc");
+  CHECK(butlerite.reflectance.wavelength_um.front() == 0.2211);
+  CHECK(butlerite.reflectance.value.front() == doctest::Approx(0.015736).epsilon(1e-12));
+  // The instrument's own program exported the same file as text; its panel sends more than its reference here and
+  // there.
+  base::Problems problems;
+  bool known = false;
+  const auto binary = read_spectrometer_file(data + "spectra/asd_binary/ribb00001.asd", "", {}, known, problems),
+             text = read_spectrometer_file(data + "spectra/asd_binary/ribb00001.asd.txt", "", {}, known, problems);
+  REQUIRE(binary);
+  REQUIRE(text);
+  REQUIRE(binary->value.size() == 2151);
+  REQUIRE(text->value.size() == 2151);
+  double worst = 0;
+  for (std::size_t i = 0; i < 2151; ++i) worst = std::max(worst, std::abs(binary->value[i] - text->value[i]));
+  CHECK(worst < 1e-12);
+  CHECK(binary->wavelength_um.back() == doctest::Approx(2.5).epsilon(1e-12));
+  CHECK_SAYS(refusal(folder, std::string(kHead) + "[[material]]\nname = \"m\"\nfile = \"" + data +
+                                 "spectra/asd_binary/ribb00001.asd\"\n"),
+             "reflectance outside 0 .. 1 (found 2.189242449487937, and at 150 more points)");
 }

@@ -1,0 +1,231 @@
+#include "scene_compiler/spectrometer_file.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+#include "scene_compiler/csv_file.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+using base::Where;
+
+/// Numbers that a line begins with, between blanks, tabs, commas or semicolons; none where it begins otherwise.
+std::vector<double> numbers_of(const std::string& line) {
+  std::vector<double> out;
+  std::string cell;
+  std::istringstream stream(line);
+  while (std::getline(stream, cell, '\t')) {
+    std::replace(cell.begin(), cell.end(), ';', ' ');
+    std::replace(cell.begin(), cell.end(), ',', ' ');
+    std::istringstream cells(cell);
+    for (std::string word; cells >> word;) {
+      const auto number = parse_number(word);
+      if (!number) return out;
+      out.push_back(*number);
+    }
+  }
+  return out;
+}
+
+struct TextFile {
+  std::string file;
+  std::vector<std::string> lines;
+
+  bool has(const std::string& text, std::size_t within) const {
+    for (std::size_t i = 0; i < std::min(within, lines.size()); ++i)
+      if (lower_case(lines[i]).find(text) != std::string::npos) return true;
+    return false;
+  }
+  /// What follows "key:" in the header.
+  std::string value(const std::string& key) const {
+    for (std::size_t i = 0; i < std::min<std::size_t>(200, lines.size()); ++i)
+      if (lower_case(lines[i]).starts_with(key + ":")) return trimmed(lines[i].substr(key.size() + 1));
+    return "";
+  }
+};
+
+TextFile lines_of(const std::string& file, const std::string& text) {
+  TextFile out{file, {}};
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) out.lines.push_back(trimmed(line));
+  return out;
+}
+
+/// Columns of numbers from line `first` on; unit: of the first, in um.
+SpectrometerFile columns(const TextFile& text, std::size_t first, std::size_t column, double unit) {
+  SpectrometerFile out;
+  for (std::size_t i = first; i < text.lines.size(); ++i) {
+    const std::vector<double> numbers = numbers_of(text.lines[i]);
+    if (numbers.size() <= column) continue;
+    out.wavelength_um.push_back(numbers[0] * unit), out.value.push_back(numbers[column]);
+    out.line.push_back(static_cast<int>(i) + 1);
+  }
+  return out;
+}
+
+std::optional<SpectrometerFile> ecostress(const TextFile& text, Problems& problems) {
+  const std::string x = lower_case(text.value("x units")), y = lower_case(text.value("y units"));
+  const bool um = x.find("micromet") != std::string::npos || x.find("micron") != std::string::npos;
+  if (!um && x.find("nanomet") == std::string::npos) {
+    problems.add({text.file, 0, 0, "X Units"}, "unknown unit of wavelengths", x.empty() ? "none" : x,
+                 "give micrometers or nanometers");
+    return std::nullopt;
+  }
+  if (y.find("reflectance") == std::string::npos) {
+    problems.add({text.file, 0, 0, "Y Units"}, "no reflectance", y.empty() ? "none" : y,
+                 "use a file of reflectance, or write a CSV");
+    return std::nullopt;
+  }
+  std::size_t last_key = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(200, text.lines.size()); ++i)
+    if (numbers_of(text.lines[i]).size() < 2 && text.lines[i].find(':') != std::string::npos) last_key = i;
+  SpectrometerFile out = columns(text, last_key + 1, 1, um ? 1 : 1e-3);
+  out.kind = "ECOSTRESS", out.name = text.value("name");
+  if (y.find("percent") != std::string::npos) out.scale = 0.01;
+  return out;
+}
+
+SpectrometerFile splib06(const TextFile& text) {
+  SpectrometerFile out = columns(text, 15, 1, 1);
+  out.kind = "USGS splib06";
+  if (text.lines.size() > 14) out.name = text.lines[14];
+  return out;
+}
+
+/// Values alone; wavelengths stand in a file of their own, like these.
+std::optional<SpectrometerFile> splib07(const TextFile& text, const std::string& wavelengths, const Where& asked_by,
+                                        Problems& problems) {
+  if (wavelengths.empty()) {
+    problems.add(asked_by, "a spectrum of splib07 stands without its wavelengths", text.file,
+                 "name the library's file of them with `wavelengths` (splib07a_Wavelengths_..._microns_...txt)");
+    return std::nullopt;
+  }
+  const auto other = read_whole_file(wavelengths, asked_by, problems);
+  if (!other) return std::nullopt;
+  const TextFile places = lines_of(wavelengths, *other);
+  const auto values = columns(text, 1, 0, 1), at = columns(places, 1, 0, 1);
+  if (values.value.size() != at.value.size()) {
+    problems.add({wavelengths, 0, 0, ""}, "not the wavelengths of " + text.file,
+                 std::to_string(at.value.size()) + " for " + std::to_string(values.value.size()) + " values",
+                 "name those of the same spectrometer");
+    return std::nullopt;
+  }
+  SpectrometerFile out = values;
+  out.kind = "USGS splib07", out.name = text.lines.empty() ? "" : text.lines[0];
+  out.wavelength_um = at.value;
+  return out;
+}
+
+std::optional<SpectrometerFile> sig(const TextFile& text, Problems& problems) {
+  for (std::size_t i = 0; i < text.lines.size(); ++i) {
+    if (!lower_case(text.lines[i]).starts_with("data=")) continue;
+    SpectrometerFile out = columns(text, i + 1, 3, 1e-3);
+    out.kind = "SVC", out.scale = 0.01;
+    for (const std::string& line : text.lines)
+      if (lower_case(line).starts_with("name=")) out.name = trimmed(line.substr(5));
+    return out;
+  }
+  problems.add({text.file, 0, 0, ""}, "a file of an SVC spectrometer without data", "no line 'data='",
+               "export it again");
+  return std::nullopt;
+}
+
+SpectrometerFile asd_text(const TextFile& text) {
+  SpectrometerFile out = columns(text, 1, 1, 1e-3);
+  out.kind = "ASD text";
+  for (const std::string& line : text.lines)
+    if (lower_case(line).starts_with("wavelength")) out.name = trimmed(line.substr(std::strlen("wavelength") + 1));
+  return out;
+}
+
+/// A number of a little-endian file.
+template <class T>
+T at(const std::string& raw, std::size_t place) {
+  T value{};
+  std::memcpy(&value, raw.data() + place, sizeof value);
+  if constexpr (std::endian::native == std::endian::big) {
+    auto* bytes = reinterpret_cast<unsigned char*>(&value);
+    std::reverse(bytes, bytes + sizeof value);
+  }
+  return value;
+}
+
+/// ASD's Indico format, versions 6 to 8 (ASD document 600502): a header of 484 bytes; the target's values; 2 bytes of
+/// flag, 16 of times, a text with its length, and the reference's values.
+std::optional<SpectrometerFile> asd_binary(const std::string& file, const std::string& raw, Problems& problems) {
+  constexpr std::size_t kHeader = 484, kType = 186, kFirst = 191, kStep = 195, kFormat = 199, kChannels = 204;
+  const auto broken = [&](const std::string& what, const std::string& found) {
+    problems.add({file, 0, 0, ""}, what, found, "export it as text (ASD ViewSpec Pro), or write a CSV");
+    return std::nullopt;
+  };
+  if (raw.size() < kHeader) return broken("an ASD file ends in its header", std::to_string(raw.size()) + " bytes");
+  const int version = raw[2] - '0', format = raw[kFormat], type = raw[kType];
+  if (version < 6 || version > 8) return broken("an ASD file of a version that is not read", raw.substr(0, 3));
+  const std::size_t channels = at<std::uint16_t>(raw, kChannels), width = format == 2 ? 8 : 4;
+  if (format != 0 && format != 2) return broken("an ASD file of numbers that are not read", std::to_string(format));
+  const auto values = [&](std::size_t from, std::vector<double>& to) {
+    if (raw.size() < from + channels * width) return false;
+    for (std::size_t i = 0; i < channels; ++i)
+      to.push_back(format == 2 ? at<double>(raw, from + 8 * i) : static_cast<double>(at<float>(raw, from + 4 * i)));
+    return true;
+  };
+  SpectrometerFile out;
+  std::vector<double> reference;
+  if (!values(kHeader, out.value))
+    return broken("an ASD file ends in its values", std::to_string(raw.size()) + " bytes");
+  // Raw or reflectance: either way what the target sent, and after it what the white reference did.
+  constexpr int kRaw = 0, kReflectance = 1;
+  if (type != kRaw && type != kReflectance)
+    return broken("an ASD file that holds no reflectance", "data of type " + std::to_string(type));
+  const std::size_t after = kHeader + channels * width;
+  const std::size_t text = raw.size() >= after + 20 ? at<std::uint16_t>(raw, after + 18) : 0;
+  const bool has_reference = raw.size() >= after + 20 && values(after + 20 + text, reference);
+  if (!has_reference && type == kRaw)
+    return broken("an ASD file without its white reference", std::to_string(raw.size()) + " bytes");
+  for (std::size_t i = 0; has_reference && i < channels; ++i) out.value[i] /= reference[i];
+  for (std::size_t i = 0; i < channels; ++i)
+    out.wavelength_um.push_back(1e-3 * (static_cast<double>(at<float>(raw, kFirst)) +
+                                        static_cast<double>(i) * static_cast<double>(at<float>(raw, kStep))));
+  out.line.assign(channels, 0);
+  out.kind = "ASD", out.name = std::filesystem::path(file).filename().string();
+  return out;
+}
+
+bool is_asd(const std::string& raw) {
+  return raw.size() > 3 && (raw.starts_with("ASD") || (raw.starts_with("as") && raw[2] >= '2' && raw[2] <= '9')) &&
+         raw.substr(0, std::min<std::size_t>(raw.size(), 484)).find('\0') != std::string::npos;
+}
+
+}  // namespace
+
+std::optional<SpectrometerFile> read_spectrometer_file(const std::string& file, const std::string& wavelengths,
+                                                       const Where& asked_by, bool& known, Problems& problems) {
+  known = false;
+  const auto raw = read_whole_file(file, asked_by, problems);
+  if (!raw) {
+    known = true;
+    return std::nullopt;
+  }
+  known = true;
+  if (is_asd(*raw)) return asd_binary(file, *raw, problems);
+  const TextFile text = lines_of(file, *raw);
+  if (text.has("usgs digital spectral library", 3)) return splib06(text);
+  if (text.has("splib07", 1)) return splib07(text, wavelengths, asked_by, problems);
+  if (text.has("spectra vista", 3)) return sig(text, problems);
+  if (!text.value("y units").empty()) return ecostress(text, problems);
+  if (text.has("asd spectrum file", 20) ||
+      (!text.lines.empty() && lower_case(text.lines[0]).starts_with("wavelength") &&
+       text.lines[0].find_first_of(";\t") != std::string::npos))
+    return asd_text(text);
+  known = false;
+  return std::nullopt;
+}
+
+}  // namespace raycube::scene
