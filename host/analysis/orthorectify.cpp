@@ -1,0 +1,165 @@
+#include "host/analysis/orthorectify.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gdal.h>
+#include <gdal_utils.h>
+#include <cpl_error.h>
+
+#include "host/base/error.h"
+#include "host/base/interrupt.h"
+#include "host/products/envi_reader.h"
+#include "host/products/envi_writer.h"
+#include "host/products/geolocated_vrt.h"
+#include "host/products/map_grid.h"
+
+namespace raycube::analysis {
+namespace {
+
+namespace fs = std::filesystem;
+using base::Error;
+using base::Fault;
+
+struct CloseImage {
+  void operator()(void* dataset) const { GDALClose(dataset); }
+};
+using GdalImage = std::unique_ptr<void, CloseImage>;
+
+[[noreturn]] void failed(const std::string& path, const std::string& what) {
+  const std::string reason = CPLGetLastErrorMsg();
+  throw Error(Fault::input, path + ": " + what + (reason.empty() ? "" : " (GDAL: " + reason + ")"));
+}
+
+/// Places of an image's pixels: the file, and the system they are in.
+struct Places {
+  std::string file;
+  int epsg = 0;
+};
+
+Places places_of(const std::string& image, const products::EnviHeader& header) {
+  const fs::path beside = fs::absolute(image).parent_path() / "location.img";
+  if (!fs::exists(beside))
+    throw Error(Fault::input, image +
+                                  ": there is no location.img beside it, which says where pixels look; render with "
+                                  "scene.origin = { epsg = ... }");
+  const auto location = products::read_envi_header(products::find_envi_pair(beside.string()).header);
+  if (location.samples != header.samples || location.lines != header.lines)
+    throw Error(Fault::input, fmt::format("{}: has {} x {} pixels, location.img beside it {} x {}; both must be of one "
+                                          "render",
+                                          image, header.samples, header.lines, location.samples, location.lines));
+  const std::string mark = "EPSG:";
+  const std::size_t at = location.description.find(mark);
+  const int epsg = at == std::string::npos ? 0 : std::atoi(location.description.c_str() + at + mark.size());
+  if (epsg <= 0)
+    throw Error(Fault::input, beside.string() + ": its header names no EPSG system; render again with this raycube");
+  // GDAL makes no map of places that are no numbers.
+  const products::EnviReader reader(beside.string());
+  std::int64_t past = 0;
+  for (std::int64_t l = 0; l < location.lines; ++l) {
+    const std::vector<double> line = reader.read_lines(l, 1);
+    for (std::size_t s = 0; s < line.size(); s += 3) past += !std::isfinite(line[s]) || !std::isfinite(line[s + 1]);
+  }
+  if (past > 0)
+    throw Error(Fault::input,
+                fmt::format("{}: {} of its pixels look past the ground and have no place on a map; make the "
+                            "ground larger, or the image smaller",
+                            image, past));
+  return {beside.string(), epsg};
+}
+
+/// The image as GDAL's, by the virtual raster that says where its pixels lie.
+GdalImage placed(const OrthoRequest& request, const std::string& vrt) {
+  GdalImage out(GDALOpen(vrt.c_str(), GA_ReadOnly));
+  if (!out) failed(request.image, "cannot be opened for the map");
+  return out;
+}
+
+/// It on the map, made when that is read; `source` must outlive it.
+GdalImage warped(const OrthoRequest& request, const GdalImage& source) {
+  std::vector<std::string> words = {"-geoloc",
+                                    "-of",
+                                    "VRT",
+                                    "-ot",
+                                    "Float32",
+                                    "-wt",
+                                    "Float32",
+                                    "-dstnodata",
+                                    "nan",
+                                    "-r",
+                                    request.resampling == "nearest" ? "near" : request.resampling};
+  if (request.pixel_m) {
+    const std::string pixel = fmt::format("{:.17g}", *request.pixel_m);
+    words.insert(words.end(), {"-tr", pixel, pixel});
+  }
+  std::vector<char*> arguments;
+  for (auto& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const std::unique_ptr<GDALWarpAppOptions, void (*)(GDALWarpAppOptions*)> options(
+      GDALWarpAppOptionsNew(arguments.data(), nullptr), GDALWarpAppOptionsFree);
+  GDALDatasetH from = source.get();
+  int wrong_use = 0;
+  GdalImage out(GDALWarp("", nullptr, 1, &from, options.get(), &wrong_use));
+  if (!out) failed(request.image, "cannot be put on a map");
+  return out;
+}
+
+}  // namespace
+
+Ortho orthorectify(const OrthoRequest& request, base::OutputSet& set) {
+  GDALAllRegister();
+  const auto pair = products::find_envi_pair(request.image);
+  products::EnviHeader header = products::read_envi_header(pair.header);
+  const Places places = places_of(pair.data, header);
+  const auto gain = header.data_gain, offset = header.data_offset;
+  const std::string vrt = products::geolocated_vrt(header, fs::absolute(pair.data).string(), places.file,
+                                                   products::projected_wkt(places.epsg));
+  const GdalImage source = placed(request, vrt), map = warped(request, source);
+  double corner[6] = {};
+  GDALGetGeoTransform(map.get(), corner);
+  Ortho out{GDALGetRasterXSize(map.get()),
+            GDALGetRasterYSize(map.get()),
+            header.bands,
+            corner[0],
+            corner[3],
+            corner[1],
+            places.epsg};
+
+  header.samples = out.samples, header.lines = out.lines;
+  header.interleave = products::Interleave::bip;
+  header.header_offset = 0, header.byte_order = 0, header.data_type = 4;
+  header.data_gain.clear(), header.data_offset.clear();
+  header.data_ignore_value = std::numeric_limits<double>::quiet_NaN();
+  header.description += (header.description.empty() ? "" : ", ") + std::string("on a map, ") + request.resampling;
+  products::set_map_grid(header, places.epsg, corner[0], corner[3], corner[1], -corner[5]);
+  products::EnviWriter writer(set, "ortho.img", header);
+  constexpr std::int64_t kPiece_bytes = std::int64_t{64} << 20;
+  const std::int64_t line_bytes = out.samples * out.bands * static_cast<std::int64_t>(sizeof(float)),
+                     together = std::max<std::int64_t>(1, kPiece_bytes / line_bytes);
+  std::vector<float> values;
+  for (std::int64_t first = 0; first < out.lines; first += together) {
+    base::throw_if_interrupted();
+    const std::int64_t lines = std::min(together, out.lines - first);
+    values.resize(static_cast<std::size_t>(lines * out.samples * out.bands));
+    const auto pixel = static_cast<GSpacing>(static_cast<std::size_t>(out.bands) * sizeof(float));
+    if (GDALDatasetRasterIOEx(map.get(), GF_Read, 0, static_cast<int>(first), static_cast<int>(out.samples),
+                              static_cast<int>(lines), values.data(), static_cast<int>(out.samples),
+                              static_cast<int>(lines), GDT_Float32, static_cast<int>(out.bands), nullptr, pixel,
+                              pixel * out.samples, sizeof(float), nullptr) != CE_None)
+      failed(request.image, "cannot be read onto the map");
+    for (std::size_t i = 0; !gain.empty() && i < values.size(); ++i) {
+      const std::size_t band = i % static_cast<std::size_t>(out.bands);
+      values[i] =
+          static_cast<float>(static_cast<double>(values[i]) * gain[band] + (band < offset.size() ? offset[band] : 0));
+    }
+    writer.write({first, lines, values.data(), 0, 0, 0});
+  }
+  writer.finish();
+  return out;
+}
+
+}  // namespace raycube::analysis
