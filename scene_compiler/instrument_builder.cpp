@@ -177,6 +177,34 @@ double agl_of(const Pose& pose, const SceneParts& parts) {
   return pose.z_m - parts.terrain_height_m(pose.x_m, pose.y_m).value_or(0.0);
 }
 
+/// Where the boresight goes, in place of pitch and roll.
+std::optional<Aim> read_aim(const Record& record, Problems& problems) {
+  const bool at = record.given("look_at_m"), off = record.given("off_nadir_deg");
+  if (!at && !off) {
+    if (record.given("off_nadir_azimuth_deg"))
+      problems.add(record.place("off_nadir_azimuth_deg"), "'off_nadir_azimuth_deg' goes with off_nadir_deg", "",
+                   "remove it, or add off_nadir_deg");
+    return std::nullopt;
+  }
+  const std::string with = at ? "look_at_m" : "off_nadir_deg";
+  for (const char* key : {"pitch_deg", "roll_deg", "poses"})
+    if (record.given(key))
+      problems.add(record.place(key), std::string("'") + key + "' and '" + with + "' both turn the instrument", "",
+                   "remove one");
+  for (const char* key : {"position_m", "center_m"})
+    if (at && off && record.given(key))
+      problems.add(record.place(key), std::string("'") + key + "' does not go with look_at_m and off_nadir_deg", "",
+                   "give altitude_agl_m: the place follows");
+  if (at && record.numbers("look_at_m").size() != 3) return std::nullopt;
+  Aim aim;
+  if (at) aim.at_point = true, std::copy_n(record.numbers("look_at_m").begin(), 3, aim.point_m.begin());
+  if (off) {
+    aim.off_nadir_deg = record.number("off_nadir_deg");
+    aim.azimuth_deg = record.number(record.given("off_nadir_azimuth_deg") ? "off_nadir_azimuth_deg" : "heading_deg");
+  }
+  return aim;
+}
+
 void read_geometry(const Record& record, const SceneParts& parts, Instrument& out, Problems& problems) {
   const int ways = count_given(record, {"altitude_agl_m", "position_m", "poses"});
   if (ways != 1) {
@@ -191,7 +219,13 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
   }
   Pose middle{0, 0, 0, record.number("roll_deg"), record.number("pitch_deg"), record.number("heading_deg")};
   std::vector<Pose> given;
-  if (record.given("altitude_agl_m")) {
+  const std::size_t before = problems.lines().size();
+  const std::optional<Aim> aim = read_aim(record, problems);
+  if (problems.lines().size() > before) return;
+  if (aim && aim->places()) {
+    out.nominal_agl_m = record.number("altitude_agl_m");
+    aim->place(out.nominal_agl_m, middle);
+  } else if (record.given("altitude_agl_m")) {
     const auto& c = record.numbers("center_m");
     out.nominal_agl_m = record.number("altitude_agl_m");
     middle.x_m = c[0], middle.y_m = c[1];
@@ -203,6 +237,12 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
     given = read_poses(record, problems);
     if (given.empty()) return;
     middle = given[given.size() / 2];
+  }
+  if (aim && !aim->turn(out.kind == InstrumentKind::framing && !record.given("heading_deg"), middle)) {
+    problems.add(record.place("look_at_m"), "'look_at_m' does not lie below the instrument",
+                 number_text(aim->point_m[2]) + " m against " + number_text(middle.z_m) + " m",
+                 "raise the instrument, or look at a lower point");
+    return;
   }
   if (record.given("center_m") && !record.given("altitude_agl_m"))
     problems.add(record.place("center_m"), "'center_m' goes with altitude_agl_m", "", "remove it");

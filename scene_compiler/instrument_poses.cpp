@@ -12,6 +12,33 @@ base::Attitude attitude_of(const Pose& pose) { return {pose.roll_deg, pose.pitch
 
 }  // namespace
 
+void Aim::place(double height_m, Pose& pose) const {
+  const double azimuth = base::rad_by_division(azimuth_deg),
+               aside_m = height_m * std::tan(base::rad_by_division(*off_nadir_deg));
+  pose.x_m = point_m[0] - aside_m * std::sin(azimuth), pose.y_m = point_m[1] - aside_m * std::cos(azimuth);
+  pose.z_m = point_m[2] + height_m;
+}
+
+bool Aim::turn(bool heading_too, Pose& pose) const {
+  double east = point_m[0] - pose.x_m, north = point_m[1] - pose.y_m, down = pose.z_m - point_m[2];
+  if (!at_point) {
+    const double azimuth = base::rad_by_division(azimuth_deg), off = base::rad_by_division(*off_nadir_deg);
+    east = std::sin(off) * std::sin(azimuth), north = std::sin(off) * std::cos(azimuth), down = std::cos(off);
+  }
+  const double length = std::hypot(east, north, down);
+  if (!(down > 1e-3 * length)) return false;
+  if (heading_too && std::hypot(east, north) > 1e-9 * length)
+    pose.heading_deg = base::deg_by_division(std::atan2(east, north));
+  const double heading = base::rad_by_division(pose.heading_deg);
+  // Of the boresight forward, right and down of that heading: (sin p cos r, -sin r, cos p cos r).
+  const double forward = north * std::cos(heading) + east * std::sin(heading),
+               right = east * std::cos(heading) - north * std::sin(heading);
+  pose.roll_deg = base::deg_by_division(std::asin(std::clamp(-right / length, -1.0, 1.0)));
+  pose.pitch_deg = base::deg_by_division(std::atan2(forward, down));
+  if (heading_too) pose.roll_deg = 0;
+  return true;
+}
+
 std::vector<Pose> straight_flight(InstrumentKind kind, int lines, int pixels, const Pose& middle,
                                   double line_spacing_m) {
   if (kind == InstrumentKind::framing) return {middle};

@@ -21,6 +21,7 @@ add_test(NAME digests COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/g
                               ${CMAKE_CURRENT_LIST_DIR}/golden/digests)
 set_tests_properties(digests PROPERTIES LABELS device SKIP_RETURN_CODE 77)
 raycube_cli_test(render_cli ${PROJECT_SOURCE_DIR}/scenes)
+raycube_cli_test(aim)
 raycube_cli_test(shapes)
 raycube_cli_test(preview)
 raycube_cli_test(check_cli ${PROJECT_SOURCE_DIR}/scenes)
