@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 
 #include "host/base/error.h"
 #include "host/base/doing.h"
@@ -96,6 +97,27 @@ std::string identity_of(const std::string& options) {
 StageShape without_sky(StageShape shape) {
   shape.components = shape.thermal_components = shape.lamps = 0, shape.bounces = false;
   return shape;
+}
+
+/// SHA-256 of two texts, one after the other. The last few are kept: small images, as trials and measures make many of,
+/// would spend most of their time on the hashes of half a megabyte of kernels.
+std::string hash_of(const std::string& first, const std::string& second) {
+  struct Known {
+    std::string first, second, hash;
+  };
+  constexpr std::size_t kKept = 8;
+  static std::mutex one_at_a_time;
+  static std::vector<Known> known;  // the last one asked for at the end
+  const std::lock_guard lock(one_at_a_time);
+  const auto found = std::find_if(known.rbegin(), known.rend(),
+                                  [&](const Known& k) { return k.first == first && k.second == second; });
+  if (found != known.rend()) {
+    std::rotate(found.base() - 1, found.base(), known.end());
+  } else {
+    if (known.size() == kKept) known.erase(known.begin());
+    known.push_back({first, second, base::sha256_hex(first + second)});
+  }
+  return known.back().hash;
 }
 
 }  // namespace
@@ -300,9 +322,9 @@ void TraceStages::set_draw(const PixelDraw& draw) {
 }
 
 const std::string& TraceStages::identity() const { return state_->identity; }
-std::string TraceStages::program_hash() const { return base::sha256_hex(state_->surfaces_identity); }
+std::string TraceStages::program_hash() const { return hash_of(state_->surfaces_identity, ""); }
 std::string program_hash(const TraceStages& trace, const RowStages& rows) {
-  return base::sha256_hex(trace.identity() + rows.identity());
+  return hash_of(trace.identity(), rows.identity());
 }
 const std::string& TraceStages::options() const { return state_->options; }
 
