@@ -112,7 +112,6 @@ void archive_content(Archive& ar, Scene& scene) {
     ar(material.transmittance.wavelength_um);
     ar(material.transmittance.value);
     ar(material.temperature_K);
-    ar(material.las_class);
   }
   ar(scene.surfaces);
   for (auto& mesh : scene.meshes) {
@@ -322,7 +321,7 @@ void write_payload(const CompiledScene& scene, Add add) {
   archive_shapes(writer, scene);
   archive_families(writer, scene);
   archive_nodes(writer, scene);
-  for (const auto& material : scene.materials) writer(material.source);
+  for (const auto& material : scene.materials) writer(material.source), writer(material.las_class);
 }
 
 std::string read_file(const std::string& file) {
@@ -406,6 +405,9 @@ std::string content_hash(const CompiledScene& scene) {
     Writer<decltype(add)> writer(add);
     archive_nodes(writer, scene);
   }
+  for (std::size_t i = 0; i < scene.materials.size(); ++i)  // of those that have one
+    if (const std::int32_t of[] = {static_cast<std::int32_t>(i), scene.materials[i].las_class}; of[1] != 1)
+      add(of, sizeof of);
   return hash.hex();
 }
 
@@ -487,7 +489,7 @@ CompiledScene load_compiled(const std::string& file) {
   archive_shapes(reader, scene);
   archive_families(reader, scene);
   archive_nodes(reader, scene);
-  for (auto& material : scene.materials) reader(material.source);
+  for (auto& material : scene.materials) reader(material.source), reader(material.las_class);
   if (reader.left() != 0) reader.damaged("has bytes left over");
   check_references(scene, reader);
   scene.skyline = survey_skyline(scene, 0);

@@ -180,12 +180,10 @@ double agl_of(const Pose& pose, const SceneParts& parts) {
 /// Where the boresight goes, in place of pitch and roll.
 std::optional<Aim> read_aim(const Record& record, Problems& problems) {
   const bool at = record.given("look_at_m"), off = record.given("off_nadir_deg");
-  if (!at && !off) {
-    if (record.given("off_nadir_azimuth_deg"))
-      problems.add(record.place("off_nadir_azimuth_deg"), "'off_nadir_azimuth_deg' goes with off_nadir_deg", "",
-                   "remove it, or add off_nadir_deg");
-    return std::nullopt;
-  }
+  if (!off && record.given("off_nadir_azimuth_deg"))
+    problems.add(record.place("off_nadir_azimuth_deg"), "'off_nadir_azimuth_deg' goes with off_nadir_deg", "",
+                 "remove it, or add off_nadir_deg");
+  if (!at && !off) return std::nullopt;
   const std::string with = at ? "look_at_m" : "off_nadir_deg";
   for (const char* key : {"pitch_deg", "roll_deg", "poses"})
     if (record.given(key))

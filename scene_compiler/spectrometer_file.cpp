@@ -16,20 +16,21 @@ namespace {
 using base::Problems;
 using base::Where;
 
-/// Numbers that a line begins with, between blanks, tabs, commas or semicolons; none where it begins otherwise.
-std::vector<double> numbers_of(const std::string& line) {
+/// Numbers that a line begins with, between blanks, tabs or semicolons, or commas where there are none of these; a
+/// comma beside them is a decimal one, as half of Europe writes. None where the line begins otherwise.
+std::vector<double> numbers_of(std::string line) {
+  const bool commas_part = line.find_first_of("\t; ") == std::string::npos;
+  for (char& c : line)
+    if (c == '\t' || c == ';' || (c == ',' && commas_part))
+      c = ' ';
+    else if (c == ',')
+      c = '.';
   std::vector<double> out;
-  std::string cell;
-  std::istringstream stream(line);
-  while (std::getline(stream, cell, '\t')) {
-    std::replace(cell.begin(), cell.end(), ';', ' ');
-    std::replace(cell.begin(), cell.end(), ',', ' ');
-    std::istringstream cells(cell);
-    for (std::string word; cells >> word;) {
-      const auto number = parse_number(word);
-      if (!number) return out;
-      out.push_back(*number);
-    }
+  std::istringstream cells(line);
+  for (std::string word; cells >> word;) {
+    const auto number = parse_number(word);
+    if (!number) return out;
+    out.push_back(*number);
   }
   return out;
 }
@@ -41,6 +42,15 @@ struct TextFile {
   bool has(const std::string& text, std::size_t within) const {
     for (std::size_t i = 0; i < std::min(within, lines.size()); ++i)
       if (lower_case(lines[i]).find(text) != std::string::npos) return true;
+    return false;
+  }
+  /// Whether it has a CSV's header: then it is that, whatever its comments name.
+  bool is_csv() const {
+    for (const std::string& line : lines) {
+      if (line.empty() || line[0] == '#') continue;
+      const std::string header = lower_case(line);
+      return header.find("wavelength_nm") != std::string::npos || header.find("wavelength_um") != std::string::npos;
+    }
     return false;
   }
   /// What follows "key:" in the header.
@@ -137,11 +147,24 @@ std::optional<SpectrometerFile> sig(const TextFile& text, Problems& problems) {
   return std::nullopt;
 }
 
-SpectrometerFile asd_text(const TextFile& text) {
+std::optional<SpectrometerFile> asd_text(const TextFile& text, Problems& problems) {
+  for (const char* other : {"radiance", "transmittance", "irradiance", "raw dn", "absorbance"})
+    if (text.has(other, 40)) {
+      problems.add({text.file, 0, 0, ""}, "an ASD text that is not of reflectance", other,
+                   "export reflectance, or write a CSV");
+      return std::nullopt;
+    }
   SpectrometerFile out = columns(text, 1, 1, 1e-3);
+  for (std::size_t i = 1; i < text.lines.size(); ++i)
+    if (numbers_of(text.lines[i]).size() > 2) {
+      problems.add({text.file, static_cast<int>(i) + 1, 0, ""}, "an ASD text of several samples",
+                   std::to_string(numbers_of(text.lines[i]).size()) + " columns", "export one sample, or write a CSV");
+      return std::nullopt;
+    }
   out.kind = "ASD text";
+  constexpr std::size_t kWord = 10;  // "wavelength"
   for (const std::string& line : text.lines)
-    if (lower_case(line).starts_with("wavelength")) out.name = trimmed(line.substr(std::strlen("wavelength") + 1));
+    if (lower_case(line).starts_with("wavelength") && line.size() > kWord) out.name = trimmed(line.substr(kWord + 1));
   return out;
 }
 
@@ -185,9 +208,10 @@ std::optional<SpectrometerFile> asd_binary(const std::string& file, const std::s
   if (type != kRaw && type != kReflectance)
     return broken("an ASD file that holds no reflectance", "data of type " + std::to_string(type));
   const std::size_t after = kHeader + channels * width;
-  const std::size_t text = raw.size() >= after + 20 ? at<std::uint16_t>(raw, after + 18) : 0;
-  const bool has_reference = raw.size() >= after + 20 && values(after + 20 + text, reference);
-  if (!has_reference && type == kRaw)
+  const bool told = raw.size() >= after + 20 && at<std::uint16_t>(raw, after) != 0;  // that there is one
+  const std::size_t text = told ? at<std::uint16_t>(raw, after + 18) : 0;
+  const bool has_reference = told && values(after + 20 + text, reference);
+  if (!has_reference && (type == kRaw || told))
     return broken("an ASD file without its white reference", std::to_string(raw.size()) + " bytes");
   for (std::size_t i = 0; has_reference && i < channels; ++i) out.value[i] /= reference[i];
   for (std::size_t i = 0; i < channels; ++i)
@@ -216,6 +240,10 @@ std::optional<SpectrometerFile> read_spectrometer_file(const std::string& file, 
   known = true;
   if (is_asd(*raw)) return asd_binary(file, *raw, problems);
   const TextFile text = lines_of(file, *raw);
+  if (text.is_csv()) {
+    known = false;
+    return std::nullopt;
+  }
   if (text.has("usgs digital spectral library", 3)) return splib06(text);
   if (text.has("splib07", 1)) return splib07(text, wavelengths, asked_by, problems);
   if (text.has("spectra vista", 3)) return sig(text, problems);
@@ -223,7 +251,7 @@ std::optional<SpectrometerFile> read_spectrometer_file(const std::string& file, 
   if (text.has("asd spectrum file", 20) ||
       (!text.lines.empty() && lower_case(text.lines[0]).starts_with("wavelength") &&
        text.lines[0].find_first_of(";\t") != std::string::npos))
-    return asd_text(text);
+    return asd_text(text, problems);
   known = false;
   return std::nullopt;
 }

@@ -127,7 +127,7 @@ std::optional<Material> library_spectrum(const EnviLibrary& library, std::size_t
   std::vector<SpectrumPoint> points;
   for (std::size_t i = 0; i < library.wavelength_um.size(); ++i)
     points.push_back({library.wavelength_um[i],
-                      library.spectra[line][i] * scale,
+                      is_data(library.spectra[line][i]) ? library.spectra[line][i] * scale : NAN,
                       0,
                       {request.file, 0, 0, "spectrum '" + library.names[line] + "', sample " + std::to_string(i + 1)}});
   std::string note;
@@ -217,7 +217,10 @@ std::vector<Material> csv_family(const SpectrumRequest& request, Problems& probl
     const std::size_t before = problems.lines().size();
     auto member = column_spectrum(*csv, *wavelength, column, std::nullopt, request, problems);
     if (!member || problems.lines().size() > before) return {};
-    member->source = std::filesystem::path(csv->file).filename().string() + ", column '" + csv->columns[column] + "'";
+    const std::size_t note = member->source.rfind(", ");  // of samples left out
+    const bool noted = note != std::string::npos && member->source.ends_with(" left out");
+    member->source = std::filesystem::path(csv->file).filename().string() + ", column '" + csv->columns[column] + "'" +
+                     (noted ? member->source.substr(note) : "");
     out.push_back(std::move(*member));
   }
   return out;

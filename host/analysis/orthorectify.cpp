@@ -80,7 +80,7 @@ GdalImage placed(const OrthoRequest& request, const std::string& vrt) {
 }
 
 /// It on the map, made when that is read; `source` must outlive it.
-GdalImage warped(const OrthoRequest& request, const GdalImage& source) {
+GdalImage warped(const OrthoRequest& request, const GdalImage& source, const std::optional<double>& no_data) {
   std::vector<std::string> words = {"-geoloc",
                                     "-of",
                                     "VRT",
@@ -92,6 +92,7 @@ GdalImage warped(const OrthoRequest& request, const GdalImage& source) {
                                     "nan",
                                     "-r",
                                     request.resampling == "nearest" ? "near" : request.resampling};
+  if (no_data) words.insert(words.end(), {"-srcnodata", fmt::format("{:.17g}", *no_data)});
   if (request.pixel_m) {
     const std::string pixel = fmt::format("{:.17g}", *request.pixel_m);
     words.insert(words.end(), {"-tr", pixel, pixel});
@@ -114,11 +115,13 @@ Ortho orthorectify(const OrthoRequest& request, base::OutputSet& set) {
   GDALAllRegister();
   const auto pair = products::find_envi_pair(request.image);
   products::EnviHeader header = products::read_envi_header(pair.header);
+  if (header.type().components != 1)
+    throw Error(Fault::input, pair.data + ": complex numbers are not put on a map; take their parts apart first");
   const Places places = places_of(pair.data, header);
   const auto gain = header.data_gain, offset = header.data_offset;
   const std::string vrt = products::geolocated_vrt(header, fs::absolute(pair.data).string(), places.file,
                                                    products::projected_wkt(places.epsg));
-  const GdalImage source = placed(request, vrt), map = warped(request, source);
+  const GdalImage source = placed(request, vrt), map = warped(request, source, header.data_ignore_value);
   double corner[6] = {};
   GDALGetGeoTransform(map.get(), corner);
   Ortho out{GDALGetRasterXSize(map.get()),
@@ -151,10 +154,10 @@ Ortho orthorectify(const OrthoRequest& request, base::OutputSet& set) {
                               static_cast<int>(lines), GDT_Float32, static_cast<int>(out.bands), nullptr, pixel,
                               pixel * out.samples, sizeof(float), nullptr) != CE_None)
       failed(request.image, "cannot be read onto the map");
-    for (std::size_t i = 0; !gain.empty() && i < values.size(); ++i) {
+    for (std::size_t i = 0; !(gain.empty() && offset.empty()) && i < values.size(); ++i) {
       const std::size_t band = i % static_cast<std::size_t>(out.bands);
-      values[i] =
-          static_cast<float>(static_cast<double>(values[i]) * gain[band] + (band < offset.size() ? offset[band] : 0));
+      values[i] = static_cast<float>(static_cast<double>(values[i]) * (band < gain.size() ? gain[band] : 1) +
+                                     (band < offset.size() ? offset[band] : 0));
     }
     writer.write({first, lines, values.data(), 0, 0, 0});
   }

@@ -10,6 +10,18 @@ namespace {
 
 const char* gdal_type(int envi_code) {
   switch (envi_code) {
+    case 1:
+      return "Byte";
+    case 2:
+      return "Int16";
+    case 3:
+      return "Int32";
+    case 13:
+      return "UInt32";
+    case 14:
+      return "Int64";
+    case 15:
+      return "UInt64";
     case 4:
       return "Float32";
     case 5:
@@ -17,7 +29,7 @@ const char* gdal_type(int envi_code) {
     case 12:
       return "UInt16";
     default:
-      throw base::Error(base::Fault::bug, "a virtual raster of another type than cubes have");
+      throw base::Error(base::Fault::bug, "a virtual raster of a type that GDAL has not");
   }
 }
 

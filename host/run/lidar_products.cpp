@@ -41,7 +41,8 @@ std::uint32_t spacing_ps(const scene::LidarGate& gate) {
 }
 
 /// Step of coordinates that holds whatever a gate may hold: 0.1 mm, or as much coarser by powers of ten as it takes. By
-/// ends of the gate as pulses all along the survey have them, and a twentieth more.
+/// ends of the gate as pulses all along the survey have them, and a twentieth more; by a sphere about the flight where
+/// most of these are not fired.
 double las_scale_m(const lidar::LidarPlan& plan, std::uint64_t seed) {
   const scene::Lidar& lidar = plan.lidar;
   constexpr std::int64_t kPulses = 512;
@@ -49,16 +50,22 @@ double las_scale_m(const lidar::LidarPlan& plan, std::uint64_t seed) {
                begin_m = std::max(0.0, per_s * lidar.gate.start_s),
                end_m = per_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s);
   double farthest_m = 0;
+  std::int64_t seen = 0;
   for (std::int64_t i = 0; i < std::min(kPulses, lidar.pulses); ++i) {
     const std::int64_t pulse =
         std::llround(static_cast<double>(i) * static_cast<double>(lidar.pulses - 1) /
                      static_cast<double>(std::max<std::int64_t>(1, std::min(kPulses, lidar.pulses) - 1)));
-    for (const auto& shot : lidar::make_shots(lidar, pulse, 1, seed))
+    for (const auto& shot : lidar::make_shots(lidar, pulse, 1, seed)) {
+      ++seen;
       for (const int pixel : {0, plan.pixels() - 1})
         for (const double range_m : {begin_m, end_m})
           for (const double at : lidar::apparent_point(plan, shot, pixel, range_m))
             if (std::isfinite(at)) farthest_m = std::max(farthest_m, std::abs(at));
+    }
   }
+  if (2 * seen < std::min(kPulses, lidar.pulses))
+    for (const auto& pose : lidar.trajectory)
+      farthest_m = std::max(farthest_m, std::hypot(pose.x_m, pose.y_m, pose.z_m) + end_m);
   double scale_m = 1e-4;
   while (1.05 * farthest_m > 2147483647.0 * scale_m) scale_m *= 10;
   return scale_m;
@@ -275,7 +282,7 @@ struct LidarProducts::State {
       throw base::Error(base::Fault::bug, "shots with and without records in one run");
     }
     const std::uint64_t before = returns;
-    if (line.next(result.shot.scan_angle_rad)) flush_points(true);
+    if (line.next(result.shot.pulse)) flush_points(true);
     const std::size_t waiting = last_points.size();
     for (int pixel = 0; pixel < plan.pixels(); ++pixel) {
       if (cube || !detected) collect(result, detections, pixel);
@@ -371,7 +378,7 @@ struct LidarProducts::State {
   std::vector<float> values;
   std::vector<std::string> warnings;
   bool detected = false, las_waveforms = false;
-  lidar::ScanLine line{lidar.scan.pattern};
+  lidar::ScanLine line{lidar};
   std::vector<products::LasPoint> last_points;  ///< of the last pulse that had some
   std::uint64_t shots = 0, returns = 0, without_return = 0, record_count = 0, empty_records = 0, rays = 0;
 };

@@ -27,9 +27,6 @@ std::string shares_text(const std::vector<std::pair<double, const char*>>& share
 
 }  // namespace
 
-LidarRunLight::LidarRunLight(const lidar::LidarPlan& plan)
-    : plan_(plan), half_bins_(base::kFwhmOfSigma * lidar::recorded_sigma_s(plan.lidar) / plan.lidar.gate.bin_s + 1) {}
-
 /// A linear record's noise is as good as light where it makes an echo; a Geiger record's events are all somebody's
 /// photons.
 void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::Detection& record) {
@@ -55,7 +52,8 @@ void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::De
 }
 
 void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& records) {
-  ++shots_;
+  if (shots_++ == 0)
+    half_bins_ = base::kFwhmOfSigma * lidar::recorded_sigma_s(plan_.lidar) / plan_.lidar.gate.bin_s + 1;
   for (const auto* rows : {&result.first, &result.multiple}) {
     const lidar::BinSums sums = lidar::sums_of(rows->data(), rows->size());
     matter_photons_ += sums.sum;

@@ -13,7 +13,7 @@ namespace raycube::run {
 /// Sums over the pulses of a run.
 class LidarRunLight {
  public:
-  explicit LidarRunLight(const lidar::LidarPlan& plan);
+  explicit LidarRunLight(const lidar::LidarPlan& plan) : plan_(plan) {}
 
   void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& records);
 
@@ -30,7 +30,7 @@ class LidarRunLight {
   std::string where_it_went() const;
 
   const lidar::LidarPlan& plan_;
-  double half_bins_;  ///< of an echo, to either side
+  double half_bins_ = 0;  ///< of an echo, to either side; known from the first shot on
   std::uint64_t shots_ = 0, echoes_ = 0;
   double returns_of_matter_ = 0;
   double records_ = 0;                                 ///< pixels and lines of all shots

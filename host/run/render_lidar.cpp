@@ -205,6 +205,8 @@ class Survey {
     const Step step(services_, "lidar " + lidar_.name, static_cast<std::uint64_t>(lidar_.pulses), "pulses");
     const std::int64_t batch = batch_of(plan_, memory_bytes_);
     const std::int64_t chunk = background_ ? std::max<std::int64_t>(batch, 65536 / std::max(1, plan_.pixels())) : batch;
+    // A batch takes a quarter of the memory, or is one pulse that takes more: then there is one at a time.
+    const bool two_batches = bytes_of_rows(plan_) <= memory_bytes_ / 4;
     std::future<void> writing;
     const Written written{writing};
     for (std::int64_t first = 0; first < lidar_.pulses; first += chunk) {
@@ -219,14 +221,21 @@ class Survey {
                    renderer, output);
         if (writing.valid()) writing.get();
         std::swap(fired_, whole_);
-        writing = base::beside(services_.threads, [&] { write(output); });
+        if (two_batches) {
+          writing = base::beside(services_.threads, [&] { write(output); });
+        } else {
+          write(output);
+          whole_ = {};
+        }
         step.advance(end - begin);
       }
     }
     if (writing.valid()) writing.get();
   }
 
-  std::map<std::string, double> stage_s;  ///< all that there are, before threads add to them
+  /// All that there are, before threads add to them; products are written beside the others, so that the sum may be
+  /// more than what the run took.
+  std::map<std::string, double> stage_s;
   std::uint64_t rays = 0, echoes = 0;
   double worst_ledger = 0;
   std::optional<nlohmann::json> turbulence;  ///< what it does to the first shot; empty: there is none
@@ -299,7 +308,7 @@ class Survey {
   void timed(const char* stage, const Work& work) {
     const auto begin = std::chrono::steady_clock::now();
     work();
-    stage_s[stage] += base::seconds_since(begin);
+    stage_s.at(stage) += base::seconds_since(begin);
   }
 
   /// A batch: of each shot expectations, records, and what stands behind their returns.
@@ -308,11 +317,12 @@ class Survey {
     std::vector<std::vector<lidar::Detection>> records;
     std::vector<std::vector<std::vector<lidar::ReturnTruth>>> truth;
   };
-  /// Nothing is written after a failure elsewhere, nor after what is written is gone.
+  /// Waits, after a failure elsewhere, for what is being written: what it reads would go. What would be written only
+  /// when it is asked for (one thread) is left.
   struct Written {
     std::future<void>& writing;
     ~Written() {
-      if (writing.valid()) writing.wait();
+      if (writing.valid() && writing.wait_for(std::chrono::seconds(0)) != std::future_status::deferred) writing.wait();
     }
   };
 

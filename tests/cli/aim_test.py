@@ -98,6 +98,10 @@ def refused(folder):
         ("altitude_agl_m = 600.0\noff_nadir_deg = 3.0\nroll_deg = 3.0\n", "'roll_deg' and 'off_nadir_deg' both turn"),
         ("altitude_agl_m = 600.0\noff_nadir_azimuth_deg = 3.0\n", "'off_nadir_azimuth_deg' goes with off_nadir_deg"),
         (
+            "altitude_agl_m = 600.0\nlook_at_m = [0.0, 0.0, 0.0]\noff_nadir_azimuth_deg = 3.0\n",
+            "'off_nadir_azimuth_deg' goes with off_nadir_deg",
+        ),
+        (
             "position_m = [0.0, 0.0, 600.0]\nlook_at_m = [5.0, 0.0, 600.0]\n",
             "'look_at_m' does not lie below the instrument",
         ),

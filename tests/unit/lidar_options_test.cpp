@@ -129,6 +129,7 @@ prf_khz = 0.5
 duration_s = 2
 first_pulse_s = 100
 gps_start_s = 4.5e8
+strip = 17
 fold_ambiguous = true
 [lidar.pulse]
 separation_s = 1e-4
@@ -243,6 +244,7 @@ TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: the platform, its
   CHECK(l.pulses == 1000);
   CHECK(l.first_pulse_s == 100);
   CHECK(l.gps_start_s == 4.5e8);
+  CHECK(l.strip == 17);
   CHECK(l.fold_ambiguous);
   // 999 periods of 2 ms at 60 m/s, east, centred over (10, -20); the height counts from z = 0: a plane is no terrain.
   REQUIRE(l.trajectory.size() == 2);

@@ -284,7 +284,9 @@ std::string asd_file(char type, const std::vector<float>& target, const std::vec
   out[186] = type;
   put(191, bytes<float>({350.0f, 10.0f}, false));
   put(204, bytes<std::uint16_t>({static_cast<std::uint16_t>(target.size())}, false));
-  out += bytes(target, false) + std::string(18, '\0') + bytes<std::uint16_t>({3}, false) + "abc";
+  out += bytes(target, false) +
+         bytes<std::uint16_t>({static_cast<std::uint16_t>(reference.empty() ? 0 : 0xffff)}, false) +
+         std::string(16, '\0') + bytes<std::uint16_t>({3}, false) + "abc";
   return out + bytes(reference, false);
 }
 
@@ -325,6 +327,15 @@ TEST_CASE("S42: spectra as they come: libraries and spectrometers by what stands
   }
   folder.write("asd.txt", "Wavelength;leaf00001.asd\n350; 0.25 \n351; 0.35\n");
   CHECK(as_it_comes(folder, "asd.txt").reflectance.value == std::vector<double>{0.25, 0.35});
+  folder.write("asd.txt", "Wavelength\tleaf00001.asd\n350\t0,2500\n351\t0,3500\n");  // as half of Europe writes
+  CHECK(as_it_comes(folder, "asd.txt").reflectance.value == std::vector<double>{0.25, 0.35});
+  // A CSV of ours is one, whatever its comments name.
+  folder.write("csv.csv",
+               "# source: USGS Digital Spectral Library splib06a\n# medium: air\n"
+               "wavelength_nm,reflectance\n400,0.25\n500,0.35\n");
+  m = as_it_comes(folder, "csv.csv");
+  CHECK(m.reflectance.wavelength_um[0] == vacuum_from_air_um(0.4));
+  CHECK(m.reflectance.value == std::vector<double>{0.25, 0.35});
   folder.write("svc.sig",
                "/*** Spectra Vista SIG Data ***/\nname= gr1.sig\ncomm= \ndata=\n338.5  100.0  20.0  20.00\n"
                "340.0  100.0  25.0  25.00\n");
@@ -348,7 +359,14 @@ TEST_CASE("S42: spectra as they come are refused by their cause, in one line") {
              "X Units: unknown unit of wavelengths (found wavenumber (cm-1))");
   CHECK_SAYS(refused("e.txt", "Name: x\nX Units: Wavelength (micrometers)\nY Units: Transmittance (percent)\n1 2\n"),
              "Y Units: no reflectance (found transmittance (percent))");
+  CHECK_SAYS(refused("a.txt", "Wavelength;a.asd;b.asd\n350;0.1;0.2\n351;0.1;0.2\n"),
+             "a.txt:2: an ASD text of several samples (found 3 columns)");
+  CHECK_SAYS(refused("a.txt", "Wavelength\ta.asd\nThe file holds radiance\n350\t0.1\n351\t0.1\n"),
+             "an ASD text that is not of reflectance (found radiance)");
+  CHECK_SAYS(refused("a.txt", "wavelength_nm;transmittance;reflectance\n350;0.4;0.1\n"), "no wavelength column");
+  CHECK_SAYS(refused("a.txt", "ASD spectrum file\nWavelength\n350 0.1\n"), "a spectrum needs at least two points");
   CHECK_SAYS(refused("a.asd", asd_file(0, {10, 20}, {})), "an ASD file without its white reference");
+  CHECK_SAYS(refused("a.asd", asd_file(1, {0.1f, 0.2f}, {1, 1}).substr(0, 515)), "without its white reference");
   CHECK_SAYS(refused("a.asd", asd_file(2, {10, 20}, {1, 1})), "an ASD file that holds no reflectance (found data of");
   CHECK_SAYS(refused("a.asd", asd_file(1, {1, 1}, {}).substr(0, 300)), "an ASD file ends in its header");
   CHECK_SAYS(refused("s.sig", "/*** Spectra Vista SIG Data ***/\nname= x\n"), "without data (found no line 'data=')");

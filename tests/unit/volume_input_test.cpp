@@ -278,6 +278,8 @@ TEST_CASE("compiled scenes: volumes, plates and gloss are stored and hashed; a s
   std::string plate = plain, gloss = plain;
   plate.insert(plate.find("[[plane]]"), "transmission = \"plate\"\n");
   gloss.insert(gloss.find("[[plane]]"), "gloss = { roughness = 0.3, f0 = 0.04 }\n");
+  std::string classed = plain;
+  classed.insert(classed.find("[[plane]]"), "las_class = 6\n");
   const std::string gas = plain + "[[volume]]\nname = \"v\"\n" + kPlume + "gas = \"ch4\"\n" + kLine;
   std::string wind = gas;
   wind.replace(wind.find("wind_m_s = 3"), 12, "wind_m_s = 4");
@@ -287,7 +289,7 @@ TEST_CASE("compiled scenes: volumes, plates and gloss are stored and hashed; a s
       "[[volume]]\nname = \"g\"\nshape = \"grid\"\nsize_m = [4, 6, 2]\ncells = [2, 3, 2]\nvalues = \"grid.csv\"\n" +
       kDust;
   std::vector<std::string> hashes = {base.content_hash};
-  for (const auto& text : {plate, gloss, gas, wind, grid}) {
+  for (const auto& text : {plate, gloss, gas, wind, grid, classed}) {
     const auto scene = with(text);
     CHECK(std::find(hashes.begin(), hashes.end(), scene.content_hash) == hashes.end());
     hashes.push_back(scene.content_hash);
@@ -296,6 +298,7 @@ TEST_CASE("compiled scenes: volumes, plates and gloss are stored and hashed; a s
     CHECK(back.content_hash == scene.content_hash);
     CHECK(back.materials[0].behind == scene.materials[0].behind);
     CHECK(back.materials[0].gloss == scene.materials[0].gloss);
+    CHECK(back.materials[0].las_class == scene.materials[0].las_class);
     REQUIRE(back.volumes.size() == scene.volumes.size());
     for (std::size_t i = 0; i < back.volumes.size(); ++i) {
       CHECK(back.volumes[i].name == scene.volumes[i].name);
