@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <ostream>
+#include <sstream>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -49,6 +52,17 @@ std::string resolve(const std::string& path) {
   const fs::path record = fs::path(path) / "run.json";
   if (fs::exists(record)) return record.string();
   throw Error(Fault::input, path + ": is a folder without run.json; name a file");
+}
+
+/// Records of the runs in a folder's folders, as a render of several instruments leaves them, by their names.
+std::vector<std::string> runs_in(const std::string& folder) {
+  std::vector<std::string> out;
+  if (!fs::is_directory(folder) || fs::exists(fs::path(folder) / "run.json")) return out;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_directory() && fs::exists(entry.path() / "run.json"))
+      out.push_back((entry.path() / "run.json").string());
+  std::sort(out.begin(), out.end());
+  return out;
 }
 
 void print_run(Invocation& invocation, const std::string& path, const Json& run) {
@@ -127,7 +141,30 @@ int print_verified(Invocation& invocation, const std::string& path) {
   return found.whole() ? 0 : static_cast<int>(Fault::check);
 }
 
+/// Every run of a folder: as text one after the other, as JSON one document of them.
+int print_runs(Invocation& invocation, const std::vector<std::string>& paths, bool verify) {
+  int status = 0;
+  std::ostringstream documents;
+  for (const std::string& path : paths) {
+    base::finish_publication_around(path);
+    std::ostringstream own;
+    Invocation each{invocation.common, invocation.log, own, invocation.command_line};
+    if (verify)
+      status = std::max(status, print_verified(each, path));
+    else
+      print_run_file(each, path);
+    if (invocation.common.json)
+      documents << (documents.tellp() > 0 ? ",\n" : "") << own.str();
+    else
+      invocation.out << own.str();
+  }
+  if (invocation.common.json)
+    invocation.out << Json{{"kind", "runs"}, {"runs", Json::parse("[" + documents.str() + "]")}}.dump(2) << "\n";
+  return status;
+}
+
 int run(Invocation& invocation, const InfoRequest& options) {
+  if (const auto runs = runs_in(options.file); !runs.empty()) return print_runs(invocation, runs, options.verify);
   const std::string path = resolve(options.file);
   const std::string extension = fs::path(path).extension().string();
   if (options.verify) {
@@ -154,8 +191,9 @@ Verb verb_info() {
   Verb verb("info", "Say what a product, scene or table holds");
   verb.description =
       "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a "
-      "render table (.rct), a point cloud (.las), a run record (.json) or the folder "
-      "of a run. --verify names, of each file that is not as it was written, the first block of 4 MiB that "
+      "render table (.rct), a point cloud (.las), a run record (.json), the folder "
+      "of a run, or a folder of such folders. --verify names, of each file that is not as it was written, the first "
+      "block of 4 MiB that "
       "differs. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are "
       "counted apart.";
   verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest",

@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -109,6 +110,19 @@ with tempfile.TemporaryDirectory() as folder:
     one_error(run("info", folder / "zero.img", status=2), "an empty file")
     one_error(run("info", folder / "nothing.img", status=2), "no such file")
     one_error(run("info", folder, status=2), "without run.json")
+
+    # info: a folder of several runs, in the order of their names
+    record = {"format": "raycube run", "files": {}, "sha256": {}}
+    for name in ("two", "one"):
+        (folder / "runs" / name).mkdir(parents=True)
+        (folder / "runs" / name / "run.json").write_text(json.dumps({**record, "instrument": name}))
+    text = run("info", folder / "runs").stdout
+    check(text.index("instrument    one") < text.index("instrument    two"), text)
+    both = json.loads(run("info", "--json", folder / "runs").stdout)
+    check(both["kind"] == "runs" and [r["run"]["instrument"] for r in both["runs"]] == ["one", "two"], both)
+    (folder / "runs/one/run.json").write_text("{")
+    one_error(run("info", folder / "runs", status=2), "not valid JSON")
+    shutil.rmtree(folder / "runs")
     for name, content, part in (
         ("bad.json", "{", "not valid JSON"),
         ("other.json", "{}", "no run record"),
