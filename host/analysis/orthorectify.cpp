@@ -111,7 +111,7 @@ GdalImage warped(const OrthoRequest& request, const GdalImage& source, const std
 
 }  // namespace
 
-Ortho orthorectify(const OrthoRequest& request, base::OutputSet& set) {
+Ortho orthorectify(const OrthoRequest& request, const std::function<base::OutputSet&()>& set) {
   GDALAllRegister();
   const auto pair = products::find_envi_pair(request.image);
   products::EnviHeader header = products::read_envi_header(pair.header);
@@ -139,7 +139,7 @@ Ortho orthorectify(const OrthoRequest& request, base::OutputSet& set) {
   header.data_ignore_value = std::numeric_limits<double>::quiet_NaN();
   header.description += (header.description.empty() ? "" : ", ") + std::string("on a map, ") + request.resampling;
   products::set_map_grid(header, places.epsg, corner[0], corner[3], corner[1], -corner[5]);
-  products::EnviWriter writer(set, "ortho.img", header);
+  products::EnviWriter writer(set(), "ortho.img", header);
   constexpr std::int64_t kPiece_bytes = std::int64_t{64} << 20;
   const std::int64_t line_bytes = out.samples * out.bands * static_cast<std::int64_t>(sizeof(float)),
                      together = std::max<std::int64_t>(1, kPiece_bytes / line_bytes);

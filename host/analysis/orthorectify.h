@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,10 +23,10 @@ struct Ortho {
   int epsg = 0;
 };
 
-/// Writes ortho.img and its header into `set`: float32, physical values, NaN where no pixel of the image looks. Places
-/// of pixels between their middles are GDAL's geolocation arrays'; the nearest pixel's values are taken as they are,
-/// others are mixed. Block by block. Error(input) where the image has no places, or some of its pixels look past the
-/// ground.
-Ortho orthorectify(const OrthoRequest& request, base::OutputSet& set);
+/// Writes ortho.img and its header into the set, which is made when the image is known to have a map: float32,
+/// physical values, NaN where no pixel of the image looks. Places of pixels between their middles are GDAL's
+/// geolocation arrays'; the nearest pixel's values are taken as they are, others are mixed. Block by block.
+/// Error(input) where the image has no places, or some of its pixels look past the ground.
+Ortho orthorectify(const OrthoRequest& request, const std::function<base::OutputSet&()>& set);
 
 }  // namespace raycube::analysis

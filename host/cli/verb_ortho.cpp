@@ -1,5 +1,6 @@
 // `raycube ortho`: an image over relief, put on a north-up map.
 #include <memory>
+#include <optional>
 #include <ostream>
 
 #include <fmt/format.h>
@@ -13,10 +14,13 @@ namespace raycube::cli {
 namespace {
 
 int ortho(const analysis::OrthoRequest& request, Invocation& invocation) {
-  base::OutputSet set(invocation.common.output.empty() ? "ortho" : invocation.common.output,
-                      if_exists(invocation.common));
-  if (invocation.common.overwrite) set.replaces({"ortho.img", "ortho.hdr"});
-  const analysis::Ortho made = analysis::orthorectify(request, set);
+  std::optional<base::OutputSet> kept;
+  const analysis::Ortho made = analysis::orthorectify(request, [&]() -> base::OutputSet& {
+    kept.emplace(invocation.common.output.empty() ? "ortho" : invocation.common.output, if_exists(invocation.common));
+    if (invocation.common.overwrite) kept->replaces({"ortho.img", "ortho.hdr"});
+    return *kept;
+  });
+  base::OutputSet& set = *kept;
   set.publish();
   if (invocation.common.json) {
     const nlohmann::ordered_json out = {{"file", set.folder() + "/ortho.img"},
