@@ -3,7 +3,8 @@
 //   waveforms.img     time cube: expectations and records, one line per pulse and pixel (time_cube.h)
 //   returns.las       point cloud with truth; the waveforms beside it in returns.wdp, or inside
 //   returns.csv       the same returns; pulses.csv: every pulse, its geometry, detection and energy ledger;
-//   photons.csv: Geiger time tags *.png             waveforms, ranges, points
+//   photons.csv       Geiger time tags
+//   *.png             waveforms, ranges, points
 //   run.json          how it came about
 #pragma once
 
