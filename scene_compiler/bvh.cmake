@@ -6,6 +6,7 @@ add_library(raycube::scene_bvh ALIAS raycube_scene_bvh)
 # What triangles are made of and whose they are, for all who read compiled scenes.
 add_library(raycube_scene_matter STATIC ${CMAKE_CURRENT_LIST_DIR}/lamp.cpp ${CMAKE_CURRENT_LIST_DIR}/matter.cpp
   ${CMAKE_CURRENT_LIST_DIR}/owner.cpp ${CMAKE_CURRENT_LIST_DIR}/shape_energy.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/lobe_albedo.cpp
   ${CMAKE_CURRENT_LIST_DIR}/spectral_shape.cpp ${CMAKE_CURRENT_LIST_DIR}/fresnel.cpp
   ${CMAKE_CURRENT_LIST_DIR}/shape_list.cpp)
 target_link_libraries(raycube_scene_matter PUBLIC raycube_warnings raycube::base)

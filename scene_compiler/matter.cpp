@@ -97,6 +97,21 @@ class Tables {
 
 }  // namespace
 
+std::size_t lobe_records(const CompiledScene& scene) { return RC_LOBES + most_further(scene); }
+
+void for_each_lobe(const CompiledScene& scene, const shared::Surface& surface,
+                   const std::function<void(std::size_t, const Shape&, double)>& place) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (surface.material[i] == 0) continue;
+    const Material& material = scene.materials[surface.material[i] - 1];
+    const auto fraction = static_cast<double>(surface.fraction[i]);
+    place(0, material.front, 1);
+    if (material.gloss.number != RC_SHAPE_none) place(1 + i, material.gloss, fraction);
+    for (std::size_t t = 0; t < material.further.size(); ++t) place(RC_LOBES + t, material.further[t].shape, 1);
+    if (lets_light_through(material) || is_plate(material)) place(RC_LOBE_BEHIND, material.behind, fraction);
+  }
+}
+
 std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t copies, const LobeFactor& factor) {
   std::vector<shared::Lobe> out;
   const std::size_t further = most_further(scene);
@@ -110,16 +125,10 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t 
     };
     out.resize(first + RC_LOBES + further, lobe_of({}, 0));
     out[first] = lobe_of({RC_SHAPE_lambert}, 1);
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (surface.material[i] == 0) continue;
-      const Material& material = scene.materials[surface.material[i] - 1];
-      const auto fraction = static_cast<double>(surface.fraction[i]);
-      place(0, material.front, 1);
-      if (material.gloss.number != RC_SHAPE_none) place(1 + i, material.gloss, fraction);
-      for (std::size_t t = 0; t < material.further.size(); ++t) place(RC_LOBES + t, material.further[t].shape, 1);
-      if (lets_light_through(material) || is_plate(material))
-        place(RC_LOBE_BEHIND, material.behind, static_cast<double>(out[first + RC_LOBE_BEHIND].share) + fraction);
-    }
+    for_each_lobe(scene, surface, [&](std::size_t record, const Shape& shape, double share) {
+      const double others = record == RC_LOBE_BEHIND ? static_cast<double>(out[first + record].share) : 0;
+      place(record, shape, others + share);
+    });
   };
   for (const auto& surface : scene.surfaces)
     for (std::size_t copy = 0; copy < copies; ++copy) add(surface, copy);
@@ -154,6 +163,27 @@ CameraMatter matter_of_used(const CompiledScene& scene, const std::vector<std::u
 }  // namespace
 
 CameraMatter camera_matter(const CompiledScene& scene) { return matter_of_used(scene, used_materials(scene)); }
+
+std::vector<shared::Lobe> camera_lobes(const CompiledScene& scene) {
+  const auto matter = camera_matter(scene);
+  if (!matter.shaped && !matter.through) return std::vector<shared::Lobe>(1);
+  auto lobes = surface_lobes(scene);
+  const std::size_t records = scene.surfaces.size() * (RC_LOBES + most_further(scene));  // then tables
+  for (std::size_t i = 0; i < records; ++i) {
+    Shape shape{lobes[i].shape};
+    std::copy(std::begin(lobes[i].parameter), std::end(lobes[i].parameter), shape.parameter.begin());
+    shape = as_cameras_see(shape);
+    for (std::size_t k = 0; k < 6; ++k) lobes[i].parameter[k] = static_cast<float>(shape.parameter[k]);
+  }
+  return lobes;
+}
+
+Shape as_cameras_see(Shape shape) {
+  const RcParameters wide =
+      rc_shape_widened(shape.number, shape.parameters(), static_cast<double>(static_cast<float>(kLeastRoughness)));
+  std::copy(std::begin(wide.of), std::end(wide.of), shape.parameter.begin());
+  return shape;
+}
 
 const Shape* gloss_of(const CompiledScene& scene, std::uint32_t primitive) {
   const Shape* gloss = nullptr;

@@ -47,6 +47,13 @@ void for_each_material(const shared::Surface& surface, F&& f) {
 /// The narrowest gloss that cameras see: below it single precision and the sun as a point would show.
 inline constexpr double kLeastRoughness = 0.1;
 
+/// Records of a surface in surface_lobes.
+std::size_t lobe_records(const CompiledScene& scene);
+/// Calls place(record, shape, share of the area) for each lobe of a surface; more than once for one that its materials
+/// share, whose shares then are of each of them (what lets light through) or 1.
+void for_each_lobe(const CompiledScene& scene, const shared::Surface& surface,
+                   const std::function<void(std::size_t, const Shape&, double)>& place);
+
 /// Shapes of every surface, [surface][RC_LOBES + most_further(scene)]; behind them their tables, each once, to which a
 /// record's first two parameters then count floats from the beginning of all (kernels/materials/measured.h). Materials
 /// mixed in one surface share what they reflect by one shape. copies: of each surface's records, one after the other,
@@ -87,6 +94,12 @@ struct CameraMatter {
   int sides() const { return 1 + int{through} + int{glossy} + further; }
 };
 CameraMatter camera_matter(const CompiledScene& scene);
+
+/// surface_lobes as cameras take them: no gloss narrower than kLeastRoughness, which pulses may know. One record, of no
+/// meaning, where all reflect by Lambert's law and let nothing through.
+std::vector<shared::Lobe> camera_lobes(const CompiledScene& scene);
+/// A gloss, or another shape, as cameras take it.
+Shape as_cameras_see(Shape shape);
 
 /// Curves by which cameras see the used materials, ascending: reflectances, where any is a leaf or a plate the
 /// transmittances of all, since they may share surfaces, and where any is glossy the glosses of all; those of materials

@@ -53,6 +53,11 @@ std::vector<std::vector<double>> lamp_spectra_of(const Plan& plan, std::size_t s
   return {first, first + static_cast<std::ptrdiff_t>(nodes)};
 }
 
+/// Whether a key is of what a front emits less by its angle (RC_CURVE_LEANING): no light is scattered under it.
+bool is_leaning(const scene::CompiledScene& scene, std::uint64_t key) {
+  return rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == scene::curve_roles(scene);
+}
+
 /// Product of a key's curves on the plan's grid; 1 without any. By the transmittance of an opaque material, or the
 /// gloss of a dull one, nothing goes.
 std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
@@ -66,6 +71,19 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
     for (std::size_t i = 0; i < product.size(); ++i) product[i] *= values[i];
   }
   return product;
+}
+
+/// What matter emits, over what a black body does: 1 less all that it sends back and lets through, of which each key of
+/// one curve says its part; those of more nothing.
+std::vector<double> emission_of(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
+  if (rc_key_count(key) > 1) return std::vector<double>(plan.wavelength_um.size(), 0.0);
+  const std::uint32_t own = rc_key_curve(key, 0), materials = scene::material_count(scene);
+  const std::uint32_t curve =
+      is_leaning(scene, key) ? scene::reflectance_curve(scene, rc_curve_material(own, materials)) : own;
+  std::vector<double> out = curve_on(scene, curve, plan.wavelength_um);
+  const double black = rc_curve_role(own, materials) == RC_CURVE_REFLECTANCE ? 1 : 0;
+  for (double& value : out) value = black - value;
+  return out;
 }
 
 /// What a plate sends where paths go through it, by channels of emission: its own light, and for what it lets through
@@ -142,14 +160,12 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
                         : skeleton   ? (row < lines ? plan.bounces.together : lamplight)
                         : curves > 0 ? plan.source_spectrum
                                      : plan.path_spectrum;
-  const std::vector<double> scattered =
-      skeleton ? plan.bounces.basis[row % lines] : product_of_curves(plan, scene, curves > 0 ? key : 0);
-  // What matter emits goes by 1 - reflectance - transmittance: each of its two keys says its part.
-  const double black =
-      curves > 0 && rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == RC_CURVE_REFLECTANCE ? 1 : 0;
+  const bool leaning = curves == 1 && is_leaning(scene, key);
+  const std::vector<double> scattered = skeleton  ? plan.bounces.basis[row % lines]
+                                        : leaning ? std::vector<double>(plan.wavelength_um.size(), 0.0)
+                                                  : product_of_curves(plan, scene, curves > 0 ? key : 0);
   std::vector<double> emitted;
-  if (curves > 0 && plan.thermal.on)
-    for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
+  if (curves > 0 && plan.thermal.on) emitted = emission_of(plan, scene, key);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
   const auto glass = plate_emission(plan, scene, curves == 1 && plan.thermal.on ? key : 0);
   const bool covers = curves > 0 && !plan.truth.empty();

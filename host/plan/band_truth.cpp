@@ -16,6 +16,7 @@
 #include "host/plan/thermal_plan.h"
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/shape_energy.h"
 #include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
@@ -102,6 +103,24 @@ void put_irradiance(const Plan& plan, const std::vector<double>& share, Columns&
   }
 }
 
+/// 1 less all that a material sends back of an even light, by all its lobes, and lets through.
+std::vector<double> hemispherical_emissivity(const scene::CompiledScene& scene, std::uint32_t number,
+                                             const std::vector<double>& wavelength_um) {
+  const scene::Material& material = scene.materials[number];
+  std::vector<double> out(wavelength_um.size(), 1.0);
+  const auto less = [&](std::uint32_t curve, double times) {
+    const std::vector<double> values = curve_on(scene, curve, wavelength_um);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] -= times * values[i];
+  };
+  less(scene::reflectance_curve(scene, number), scene::white_sky_albedo(material.front));
+  less(scene::transmittance_curve(scene, number), 1);
+  if (material.gloss.number != RC_SHAPE_none)
+    less(scene::gloss_curve(scene, number), scene::white_sky_albedo(material.gloss));
+  for (std::size_t t = 0; t < material.further.size(); ++t)
+    less(scene::further_curve(scene, number, t), scene::white_sky_albedo(material.further[t].shape));
+  return out;
+}
+
 /// Of a curve by which a material reflects, its share in all of those in the bands; 1 where it has one.
 std::vector<double> share_of(const Plan& plan, const scene::CompiledScene& scene, std::uint32_t curve) {
   const scene::Material& material = scene.materials[scene::material_of_curve(scene, curve)];
@@ -166,10 +185,6 @@ void bake_truth(const Plan& plan, const scene::CompiledScene& scene, std::uint64
       product && rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == RC_CURVE_REFLECTANCE;
   const std::size_t channels = row.size() / padded - (product ? 1 : 0);
   const auto coverage = static_cast<std::size_t>(plan.coverage_channel());
-  const auto curve = [&](auto&& curve_of_material) {
-    return curve_on(scene, curve_of_material(scene, scene::material_of_curve(scene, rc_key_curve(key, 0))),
-                    plan.wavelength_um);
-  };
   const auto reflected = [&] {
     return sample_reflectance(scene.materials[scene::material_of_curve(scene, rc_key_curve(key, 0))],
                               plan.wavelength_um);
@@ -185,10 +200,8 @@ void bake_truth(const Plan& plan, const scene::CompiledScene& scene, std::uint64
     } else if (seen && truth == reflectance) {
       columns.put(coverage, in_bands(plan.bands, reflected()));
     } else if (seen && truth == emissivity) {
-      auto emitted = reflected();
-      const auto through = curve(scene::transmittance_curve);
-      for (std::size_t i = 0; i < emitted.size(); ++i) emitted[i] = 1 - emitted[i] - through[i];
-      columns.put(coverage, in_bands(plan.bands, emitted));
+      const std::uint32_t material = scene::material_of_curve(scene, rc_key_curve(key, 0));
+      columns.put(coverage, in_bands(plan.bands, hemispherical_emissivity(scene, material, plan.wavelength_um)));
     }
   }
 }

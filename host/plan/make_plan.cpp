@@ -256,6 +256,7 @@ void weigh_thermal(Plan& plan, const Setting& at, const Light& light, Levels& ou
   if (!plan.environment.empty() && out.solar.environment <= at.share)
     plan.environment = {}, errors.left_out += out.solar.environment;
   errors.surroundings = 1;
+  add_leaning_keys(at.simulation.scene, plan.seen_curves);
   out.thermal_sky = sky_levels(light.thermal_sky, Sky::thermal, at.air, at.domain, at.bands, light.typical, at.share);
   out.temperatures = temperature_levels(light.emitters, at.air, at.domain, at.bands, at.covered_um, light.typical);
   for (const auto& level : out.temperatures)

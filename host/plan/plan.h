@@ -125,6 +125,10 @@ struct Thermal {
   /// components, then the surroundings' (pi (1 - nz) / 2, what lies below the horizon). Per unit of the component's
   /// spectrum.
   std::vector<shared::rc_float4> tilt_irradiance;
+  /// Of lobes that are not Lambert's, what they send back of an even light (kernels/light/lobe_albedo.h): by records of
+  /// the scene's lobes the number of its table, from 1 (0: Lambert's), and the tables. Empty where all are.
+  std::vector<std::uint32_t> albedo_at;
+  std::vector<float> albedo;
   int components() const { return on ? sky_components + 1 : 0; }
   int nodes() const { return on ? static_cast<int>(temperature_K.size()) : 0; }
 };
@@ -218,7 +222,8 @@ struct Plan {
   int sun_sources = 1;     ///< 0: too dark beside the thermal light to be a source
   int sky_components = 0;  ///< 0..4, of sunlight
   scene::CameraMatter matter;
-  std::vector<std::uint32_t> seen_curves;  ///< scene::seen_curves, which looks through all of the scene
+  std::vector<std::uint32_t>
+      seen_curves;  ///< scene::seen_curves, which looks through all of the scene; then add_leaning_keys
   Thermal thermal;
   Lamps lamps;
   NodeAxis height;          ///< target height, m above scene z = 0

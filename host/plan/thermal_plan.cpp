@@ -12,6 +12,8 @@
 #include "host/plan/irradiance_map.h"
 #include "host/plan/sky_basis.h"
 #include "kernels/atmosphere/nodes.h"
+#include "kernels/shared/tile_layout.h"
+#include "scene_compiler/lobe_albedo.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/owner.h"
 
@@ -57,13 +59,25 @@ double area_scale(const shared::Instance& placed) {
   return std::pow(std::abs(m.determinant()), 2.0 / 3.0);
 }
 
-/// Emission and the light of the surroundings go by 1 - reflectance, whatever the direction, Lambert's law.
-void check_shape(const scene::Material& material, const std::string& file, const std::string& why,
-                 base::Problems& problems) {
-  if (material.front.number == RC_SHAPE_lambert && material.gloss.number == RC_SHAPE_none) return;
-  problems.add({file, 0, 0, "material '" + material.name + "'"},
-               "cameras see thermal light of Lambertian surfaces alone, and " + why, "",
-               "remove its table of a scattering shape or gloss, or the thermal bands");
+/// Tables of every lobe that sends otherwise than Lambert's law; equal shapes share one.
+void add_lobe_albedos(const scene::CompiledScene& scene, Thermal& thermal) {
+  if (!scene::camera_matter(scene).shaped) return;
+  const std::size_t records = scene::lobe_records(scene);
+  std::vector<std::uint32_t> at(scene.surfaces.size() * records, 0);
+  std::vector<scene::Shape> known;
+  for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
+    scene::for_each_lobe(scene, scene.surfaces[s], [&](std::size_t record, const scene::Shape& given, double) {
+      if (record == RC_LOBE_BEHIND || given.number == RC_SHAPE_lambert) return;
+      const scene::Shape shape = scene::as_cameras_see(given);
+      auto found = std::find(known.begin(), known.end(), shape);
+      if (found == known.end()) {
+        const scene::LobeAlbedo table(shape, RC_ALBEDO_ZENITHS, RC_ALBEDO_AZIMUTHS);
+        thermal.albedo.insert(thermal.albedo.end(), table.nodes().begin(), table.nodes().end());
+        found = known.insert(known.end(), shape);
+      }
+      at[s * records + record] = static_cast<std::uint32_t>(found - known.begin() + 1);
+    });
+  if (!known.empty()) thermal.albedo_at = std::move(at);
 }
 
 }  // namespace
@@ -76,7 +90,6 @@ void check_thermal_matter(const scene::CompiledScene& scene, const std::string& 
     if (!(material.temperature_K > 0))
       problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and " + demanded_by, "",
                    "give it temperature_K, or give [thermal] default_temperature_K");
-    check_shape(material, file, demanded_by, problems);
   }
 }
 
@@ -84,11 +97,8 @@ Emitters find_emitters(const scene::CompiledScene& scene, const std::string& fil
   Emitters out;
   base::Problems problems;
   check_thermal_matter(scene, file, demanded_by, problems);
-  const auto used = scene::used_materials(scene);
-  if (demanded_by.empty())
-    for (const auto index : scene::used_families(scene))
-      check_shape(scene.materials[index], file, "hot materials are seen in these bands", problems);
   problems.throw_if_any();
+  const auto used = scene::used_materials(scene);
   double plain = 0;
   for (const auto index : used) {
     const auto& material = scene.materials[index];
@@ -164,6 +174,12 @@ double node_coordinate(const std::vector<double>& node_K, double temperature_K) 
   return static_cast<double>(cell.index) + cell.fraction;
 }
 
+void add_leaning_keys(const scene::CompiledScene& scene, std::vector<std::uint32_t>& keys) {
+  for (const auto material : scene::used_materials(scene))
+    if (scene.materials[material].front.number != RC_SHAPE_lambert)
+      keys.push_back(rc_curve_id(scene::curve_roles(scene), material, scene::material_count(scene)));
+}
+
 Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes,
                      const SkyFactors& factors) {
   Thermal out;
@@ -185,6 +201,7 @@ Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters
     out.basis.azimuth_rad = {0, base::kPi};
     out.basis.value.assign(4, {1 / base::kPi, 0, 0, 0});
   }
+  add_lobe_albedos(scene, out);
   const SkyIrradiance open(out.basis);
   for (int i = 0; i < RC_TILT_NODES; ++i) {
     const double nz = -1 + 2.0 * i / (RC_TILT_NODES - 1);

@@ -14,13 +14,13 @@ struct Emitters {
 };
 
 /// `demanded_by`, what needs thermal light (temperature_demand): adds a problem for every used material without a
-/// temperature, and for every one that does not reflect by Lambert's law. Empty: nothing.
+/// temperature. Empty: nothing.
 void check_thermal_matter(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
                           base::Problems& problems);
 
-/// Throws one Error(input) that lists what check_thermal_matter finds; where nothing demands thermal light, hot matter
-/// is why emitters are looked for, and its shapes are refused by that name. Materials without a temperature stand at
-/// 0 K and emit nothing then. A scene without triangles takes the plain mean over its materials, and 0 K without any.
+/// Throws one Error(input) that lists what check_thermal_matter finds. Where nothing demands thermal light, materials
+/// without a temperature stand at 0 K and emit nothing. A scene without triangles takes the plain mean over its
+/// materials, and 0 K without any.
 Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by);
 
 /// B at one temperature on a grid, W m-2 sr-1 um-1.
@@ -43,7 +43,12 @@ std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const
 /// Where a temperature lies among the nodes: index + fraction, clamped.
 double node_coordinate(const std::vector<double>& node_K, double temperature_K);
 
-/// Fills nodes, surfaces, maps and the table over tilt; factors: of the thermal sky, empty where it is black.
+/// Adds the keys of what the used materials' fronts emit by the angle (RC_CURVE_LEANING) behind those of their curves:
+/// none by Lambert's law.
+void add_leaning_keys(const scene::CompiledScene& scene, std::vector<std::uint32_t>& keys);
+
+/// Fills nodes, surfaces, maps, the table over tilt and those of lobes; factors: of the thermal sky, empty where it is
+/// black.
 Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes,
                      const SkyFactors& factors);
 

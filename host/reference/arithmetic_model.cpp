@@ -126,6 +126,7 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
   const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
   const std::vector<double>& nodes = plan_.thermal.temperature_K;
   const double black = sample.side == RC_NEAR_SIDE ? 1 : 0;  // 1 - reflectance - transmittance, each side its part
+  const double even = even_light(scene_, plan_.thermal, sample);
   const shared::Surface& surface = scene::matter_of(scene_, sample.hit.primitive);
   for (int m = 0; m < 4; ++m) {
     if (surface.material[m] == 0) continue;
@@ -145,7 +146,7 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
           if (w == 0) continue;
           const std::vector<double>& light = plan_.source_spectrum[static_cast<std::size_t>(
               ((plan_.first_emission() + k) * plan_.height.count + ih) * plan_.view.count + iv)];
-          for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * (black - rho[i]) * light[i];
+          for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * (black - even * rho[i]) * light[i];
         }
   }
 }
@@ -158,6 +159,7 @@ std::array<double, 8> ArithmeticModel::irradiance(const Sample& side, const Sent
     // The surroundings, the last, fill what the open sky leaves of the hemisphere.
     const bool surroundings = plan_.thermal.on && m + 1 == all;
     out[m] += (known - 1) * (surroundings ? out[m] - std::numbers::pi : out[m]);
+    if (surroundings) out[m] += std::numbers::pi * (even_light(scene_, plan_.thermal, side) - 1);
   }
   for (const SentRay& ray : sent) {
     if (ray.weight == 0) continue;

@@ -81,28 +81,46 @@ Spectrum PathLight::let_through(const Sample& at) const {
   return out;
 }
 
-void PathLight::add_excess(const Sample& at, PathGains& light, double (*part)(double back, double on)) const {
+void PathLight::add_excess(const Sample& at, PathGains& light, const OwnLight& own) const {
   if (!plan_.thermal.on) return;
   const double around_K = plan_.thermal.surroundings_K;
   const scene::CompiledScene& scene = scene_.compiled;
   scene::for_each_material(scene::matter_of(scene, at.hit.primitive), [&](std::size_t material, float fraction) {
-    const Spectrum &back = curve_[scene::reflectance_curve(scene, material) - 1],
-                   &on = curve_[scene::transmittance_curve(scene, material) - 1];
+    const Spectrum part = own(material);
     const double kelvin = scene.materials[material].temperature_K;
     for (std::size_t i = 0; i < light.carried.size(); ++i) {
       const double l = plan_.wavelength_um[i];
       const double excess = base::planck_radiance(l, kelvin) - base::planck_radiance(l, around_K);
-      light.emitted[i] += light.carried[i] * static_cast<double>(fraction) * part(back[i], on[i]) * excess;
+      light.emitted[i] += light.carried[i] * static_cast<double>(fraction) * part[i] * excess;
     }
   });
 }
 
 void PathLight::add_heat(const Sample& at, PathGains& light) const {
-  add_excess(at, light, [](double back, double on) { return 1 - back - on; });
+  const scene::CompiledScene& scene = scene_.compiled;
+  const shared::Surface& surface = scene::matter_of(scene, at.hit.primitive);
+  add_excess(at, light, [&](std::size_t material) {
+    Spectrum own(light.carried.size(), 1.0);
+    const auto less = [&](std::uint32_t curve, double times) {
+      for (std::size_t i = 0; i < own.size(); ++i) own[i] -= times * curve_[curve - 1][i];
+    };
+    less(scene::reflectance_curve(scene, material), even_light(scene, plan_.thermal, at, 0));
+    less(scene::transmittance_curve(scene, material), 1);
+    for (std::size_t i = 0; i < 4; ++i)
+      if (surface.material[i] == material + 1 && scene.materials[material].gloss.number != RC_SHAPE_none)
+        less(scene::gloss_curve(scene, material), even_light(scene, plan_.thermal, at, 1 + i));
+    for (std::size_t t = 0; t < scene.materials[material].further.size(); ++t)
+      less(scene::further_curve(scene, material, t), even_light(scene, plan_.thermal, at, RC_LOBES + t));
+    return own;
+  });
 }
 
 void PathLight::take_own_for_through(const Sample& at, PathGains& light) const {
-  add_excess(at, light, [](double, double on) { return -on; });
+  add_excess(at, light, [&](std::size_t material) {
+    Spectrum on = curve_[scene::transmittance_curve(scene_.compiled, material) - 1];
+    for (double& value : on) value = -value;
+    return on;
+  });
 }
 
 void PathLight::add_sky(const glm::dvec3& way, PathGains& light) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "host/reference/radiance.h"
@@ -49,8 +50,10 @@ class PathLight {
   SampledPixel stand(const Ray& ray, const Hit& hit) const;
 
  private:
-  /// Adds a part, told by R and T, of what a black body sends beyond the surroundings, of each material.
-  void add_excess(const Sample& at, PathGains& light, double (*part)(double back, double on)) const;
+  /// Of a material, by its index, the part of a black body's light that it sends.
+  using OwnLight = std::function<Spectrum(std::size_t material)>;
+  /// Adds that part of what a black body sends beyond the surroundings, of each material.
+  void add_excess(const Sample& at, PathGains& light, const OwnLight& own) const;
 
   const ReferenceScene& scene_;
   const plan::Plan& plan_;

@@ -6,11 +6,13 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
 #include "host/reference/ground_around.h"
 #include "host/reference/sampled_pixel.h"
+#include "scene_compiler/lobe_albedo.h"
 
 namespace raycube::reference {
 
@@ -145,6 +147,12 @@ class TableModel {
   std::vector<double> source(double height_m, double zenith_deg, Light light) const;
   /// Radiance on the plan's grid of a surface seen from nearby.
   std::vector<double> surface_light(std::uint32_t surface) const;
+  /// A curve's part of what matter emits at wavelength i of the grid, W m-2 sr-1 um-1; cover: of what is seen of it;
+  /// even: that times what its lobe sends of an even light.
+  double emitted(std::uint32_t curve, double cover, double even, std::size_t i) const;
+  void add_albedos();
+  /// What a side's lobe sends of an even light to its viewer, by a table finer than the plan's.
+  double even_light(const Sample& side) const;
   std::vector<double> on_grid(const std::vector<double>& table_spectrum) const;
 
   struct SkyView;
@@ -172,10 +180,11 @@ class TableModel {
   const plan::Plan& plan_;
   const atmos::RenderTable& table_;
   bool no_air_, beside_paths_;
-  bool sun_ = true, skylight_ = true;          ///< the table has rows of the sun's light
-  bool warm_path_ = false, warm_sky_ = false;  ///< and of the air's own
-  std::vector<std::vector<double>> curve_;     ///< [curve - 1][grid], curves_on
-  std::vector<std::vector<double>> emitted_;   ///< [curve - 1][grid] its part of emission; empty without a temperature
+  bool sun_ = true, skylight_ = true;            ///< the table has rows of the sun's light
+  bool warm_path_ = false, warm_sky_ = false;    ///< and of the air's own
+  std::vector<std::vector<double>> curve_;       ///< [curve - 1][grid], curves_on
+  std::vector<std::vector<double>> black_body_;  ///< [material][grid] B at its temperature; empty without one
+  std::vector<std::pair<scene::Shape, scene::LobeAlbedo>> albedo_;  ///< of the shapes of matter that has a temperature
   std::vector<glm::dvec3> direction_;
   std::size_t stride_ = 1;  ///< a sample looks into every so many
   double solid_angle_ = 0;  ///< sr, of each direction that a sample looks into

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/reference/radiance.h"
+#include "host/reference/spread.h"
 #include "kernels/sampling/sky_rays.h"
 #include "scene_compiler/matter.h"
 
@@ -39,10 +40,6 @@ double law_density(const plan::Plan& plan, const glm::dvec3& normal, const glm::
       (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * glm::dot(sun, direction), 1.5));
   const double even = direction.z > 0 ? 0.5 / std::numbers::pi : 0;
   return plan.sky.cosine_share * cosine + rest * (plan.sky.sun_share * lobe + (1 - plan.sky.sun_share) * even);
-}
-
-glm::dvec3 viewer_of(const Sample& side) {
-  return -glm::normalize(glm::dvec3(side.ray.direction[0], side.ray.direction[1], side.ray.direction[2]));
 }
 
 double roughness_of(const scene::CompiledScene& scene, const Sample& side) {

@@ -11,7 +11,9 @@
 #include "host/reference/radiance.h"
 #include "host/reference/lamp_light.h"
 #include "host/reference/spread.h"
+#include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/shape_energy.h"
 
 namespace raycube::reference {
 
@@ -46,16 +48,12 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   skylight_ = !no_air && table.has("sky_radiance_solar");
   warm_path_ = !no_air && table.has("path_radiance_thermal");
   warm_sky_ = !no_air && table.has("sky_radiance_thermal");
-  // What matter emits goes by 1 - reflectance - transmittance: each curve its part.
-  const std::uint32_t count = scene::curve_count(scene.compiled);
-  for (std::uint32_t curve = 1; curve <= count; ++curve) {
-    std::vector<double>& light = emitted_.emplace_back();
-    const double kelvin = scene.compiled.materials[scene::material_of_curve(scene.compiled, curve)].temperature_K;
-    const rc_id role = rc_curve_role(curve, scene::material_count(scene.compiled));
-    const double black = role == RC_CURVE_REFLECTANCE ? 1 : 0;
-    for (std::size_t i = 0; kelvin > 0 && role < RC_CURVE_GLOSS && i < plan.wavelength_um.size(); ++i)
-      light.push_back((black - curve_[curve - 1][i]) * base::planck_radiance(plan.wavelength_um[i], kelvin));
+  for (const auto& material : scene.compiled.materials) {
+    std::vector<double>& light = black_body_.emplace_back();
+    for (std::size_t i = 0; material.temperature_K > 0 && i < plan.wavelength_um.size(); ++i)
+      light.push_back(base::planck_radiance(plan.wavelength_um[i], material.temperature_K));
   }
+  add_albedos();
   if (no_air && !plan.thermal.on) return;  // nothing comes from anywhere but the sun
   if (!plan.environment.empty()) environment_.emplace(scene, plan, table);
   // Spiral of equal solid angles (Gonzalez 2010, Mathematical Geosciences 42, 49), upper half.
@@ -103,6 +101,23 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   }
 }
 
+void TableModel::add_albedos() {
+  constexpr int kFiner = 2;  // than the plan's
+  const auto add = [&](const scene::Shape& shape) {
+    if (shape.number == RC_SHAPE_none || shape.number == RC_SHAPE_lambert) return;
+    for (const auto& [known, table] : albedo_)
+      if (known == shape) return;
+    albedo_.emplace_back(
+        shape, scene::LobeAlbedo(shape, kFiner * (RC_ALBEDO_ZENITHS - 1) + 1, kFiner * (RC_ALBEDO_AZIMUTHS - 1) + 1));
+  };
+  for (const auto number : scene::used_materials(scene_.compiled)) {
+    const scene::Material& material = scene_.compiled.materials[number];
+    if (!(material.temperature_K > 0)) continue;
+    add(material.front), add(material.gloss);
+    for (const auto& lobe : material.further) add(lobe.shape);
+  }
+}
+
 std::vector<double> TableModel::on_grid(const std::vector<double>& table_spectrum) const {
   return atmos::resample_linear(atmos::wavelengths(table_), table_spectrum, plan_.wavelength_um);
 }
@@ -131,26 +146,40 @@ std::vector<double> TableModel::source(double height_m, double zenith, Light lig
   return out;
 }
 
+double TableModel::emitted(std::uint32_t curve, double cover, double even, std::size_t i) const {
+  const std::vector<double>& light = black_body_[scene::material_of_curve(scene_.compiled, curve)];
+  if (light.empty()) return 0;
+  const bool near = rc_curve_role(curve, scene::material_count(scene_.compiled)) == RC_CURVE_REFLECTANCE;
+  return ((near ? cover : 0) - even * curve_[curve - 1][i]) * light[i];
+}
+
 std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
   std::vector<double> out(plan_.wavelength_um.size(), 0.0);
-  const shared::Surface& s = scene_.compiled.surfaces[surface];
-  for (int m = 0; m < 4; ++m) {
-    if (s.material[m] == 0) continue;
-    for (rc_id role = 0; role < scene::curve_roles(scene_.compiled); ++role) {
-      const std::size_t curve = rc_curve_id(role, s.material[m] - 1, scene::material_count(scene_.compiled)) - 1;
-      const std::vector<double>&rho = curve_[curve], &own = emitted_[curve];
+  const scene::CompiledScene& scene = scene_.compiled;
+  scene::for_each_material(scene.surfaces[surface], [&](std::size_t m, float share) {
+    const scene::Material& material = scene.materials[m];
+    for (rc_id role = 0; role < scene::curve_roles(scene); ++role) {
+      const std::uint32_t curve = rc_curve_id(role, static_cast<rc_id>(m), scene::material_count(scene));
+      if (!scene::carries_light(scene, curve)) continue;
+      const double even = role == RC_CURVE_REFLECTANCE ? scene::white_sky_albedo(material.front)
+                          : role == RC_CURVE_GLOSS     ? scene::white_sky_albedo(material.gloss)
+                          : role >= RC_CURVE_FURTHER
+                              ? scene::white_sky_albedo(material.further[role - RC_CURVE_FURTHER].shape)
+                              : 1;
       for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] += static_cast<double>(s.fraction[m]) *
-                  ((own.empty() ? 0 : own[i]) +
-                   rho[i] * base::planck_radiance(plan_.wavelength_um[i], plan_.thermal.surroundings_K));
+        out[i] +=
+            static_cast<double>(share) *
+            (emitted(curve, 1, even, i) +
+             even * curve_[curve - 1][i] * base::planck_radiance(plan_.wavelength_um[i], plan_.thermal.surroundings_K));
     }
-  }
+  });
   return out;
 }
 
 /// What one sample sees of the sky, and what it meets where it sees none.
 struct TableModel::SkyView {
   std::vector<double> seen;                ///< [direction]: cosine x solid angle, 0 where something hides it
+  double even = 1;                         ///< of an even light, what the side's lobe sends to the viewer
   std::map<std::uint32_t, double> hidden;  ///< the same by the surface that is met instead; RC_NONE: beyond the scene
 };
 
@@ -161,7 +190,7 @@ struct TableModel::PixelSums {
     double sun = 0;                          ///< sum of weight x fraction x cosine over lit samples
     std::vector<double> sky;                 ///< [direction]: sum of weight x fraction x SkyView::seen
     std::vector<double> lamps;               ///< [source]: sum of weight x fraction x irradiance
-    double cover = 0;                        ///< sum of weight x fraction
+    double cover = 0, even = 0;              ///< sum of weight x fraction, and of that x SkyView::even
     std::map<std::uint32_t, double> hidden;  ///< sum of weight x fraction x SkyView::hidden
   };
   double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m;
@@ -178,8 +207,15 @@ double TableModel::height_of(const Sample& sample) const {
   return sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z;
 }
 
+double TableModel::even_light(const Sample& side) const {
+  const scene::Shape* shape = shape_of(scene_.compiled, side);
+  for (const auto& [known, table] : albedo_)
+    if (shape && known == *shape) return table.at(on_surface(side.normal, viewer_of(side)));
+  return 1;
+}
+
 TableModel::SkyView TableModel::look(const Sample& sample, std::size_t lot) const {
-  SkyView view{std::vector<double>(direction_.size(), 0.0), {}};
+  SkyView view{std::vector<double>(direction_.size(), 0.0), 1, {}};
   const auto surface_of = [&](const Hit& hit) {
     return hit.miss() ? RC_NONE : scene::surface_of(scene_.compiled, hit.primitive);
   };
@@ -189,11 +225,22 @@ TableModel::SkyView TableModel::look(const Sample& sample, std::size_t lot) cons
       view.seen[k] = cosine * solid_angle_ * spread(scene_.compiled, sample, direction_[k]);
     if (!plan_.thermal.on) continue;
     if (cosine > 0 && view.seen[k] == 0)
-      view.hidden[surface_of(scene_.meets(sample, direction_[k]))] += cosine * solid_angle_;
+      view.hidden[surface_of(scene_.meets(sample, direction_[k]))] +=
+          cosine * solid_angle_ * spread(scene_.compiled, sample, direction_[k]);
     const glm::dvec3 below(direction_[k].x, direction_[k].y, -direction_[k].z);
     const double down = glm::dot(sample.normal, below);
-    if (down > 0) view.hidden[surface_of(scene_.meets(sample, below))] += down * solid_angle_;
+    if (down > 0)
+      view.hidden[surface_of(scene_.meets(sample, below))] +=
+          down * solid_angle_ * spread(scene_.compiled, sample, below);
   }
+  view.even = even_light(sample);
+  const scene::Shape* shape = shape_of(scene_.compiled, sample);
+  if (!plan_.thermal.on || !shape || shape->number == RC_SHAPE_lambert) return view;
+  // Directions are too few for a lobe: what they lack of the whole counts as the surroundings'.
+  double lacking = std::numbers::pi * view.even;
+  for (const double seen : view.seen) lacking -= seen;
+  for (const auto& [blocker, weight] : view.hidden) lacking -= weight;
+  view.hidden[RC_NONE] += lacking;
   return view;
 }
 
@@ -210,7 +257,7 @@ void TableModel::add_hit(const Sample& sample, const SkyView& view, const double
       PixelSums::OfCurve& sum = sums.ends[end][rc_curve_id(rc_curve_of_side(sample.side), surface.material[m] - 1,
                                                            scene::material_count(scene_.compiled)) -
                                                1];
-      sum.cover += w;
+      sum.cover += w, sum.even += w * view.even;
       for (const auto& [blocker, weight] : view.hidden) sum.hidden[blocker] += w * weight;
       if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun) * sun_spread;
       sum.lamps.resize(lamplight.size(), 0.0);
@@ -302,8 +349,8 @@ void TableModel::add_materials(const PixelSums& sums, int end, double height_m, 
   for (const auto& [curve, sum] : sums.ends[end]) {
     const std::vector<double>& rho = curve_[curve];
     for (std::size_t i = 0; i < grid; ++i) out.sun[i] += rho[i] * sum.sun * sun_light[i];
-    const std::vector<double>& own = emitted_[curve];
-    for (std::size_t i = 0; i < own.size(); ++i) out.emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
+    for (std::size_t i = 0; i < grid; ++i)
+      out.emission[i] += emitted(curve + 1, sum.cover, sum.even, i) * std::numbers::pi * direct[i];
     for (std::size_t k = 0; k < sum.lamps.size(); ++k)
       for (std::size_t i = 0; i < grid; ++i)
         out.lamps[i] += rho[i] * sum.lamps[k] * plan_.lamps.spectrum[k][i] * direct[i];

@@ -69,6 +69,8 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
       tilt_irradiance_(context, plan.thermal.tilt_irradiance, cl::Access::read_only, "irradiance by tilt"),
       surface_node_(context, plan.thermal.surface_node, cl::Access::read_only, "temperatures of surfaces"),
+      albedo_at_(context, plan.thermal.albedo_at, cl::Access::read_only, "albedo tables of lobes"),
+      albedo_(context, plan.thermal.albedo, cl::Access::read_only, "albedos of lobes"),
       open_share_(context, open_shares(scene, plan, shape), cl::Access::read_only, "open share of surfaces"),
       no_list_(context, 1, cl::Access::read_only, "empty pixel list") {}
 
@@ -107,6 +109,8 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
                                   .map_size = static_cast<cl_uint>(plan_.irradiance.size),
                                   .tilt_irradiance = tilt_irradiance_,
                                   .surface_node = surface_node_,
+                                  .albedo_at = albedo_at_,
+                                  .albedo = albedo_,
                                   .height_first = plan_.height.first,
                                   .height_step = plan_.height.step,
                                   .row_count = rows.count,

@@ -98,6 +98,8 @@ class RowStages {
   cl::Buffer<float> sample_weight_;  ///< of one chunk, zero in the padding
   int loaded_chunk_ = -1, loaded_subset_ = -1;
   cl::Buffer<shared::rc_float4> irradiance_, tilt_irradiance_, surface_node_;
+  cl::Buffer<std::uint32_t> albedo_at_;
+  cl::Buffer<float> albedo_;
   cl::Buffer<float> open_share_;
   cl::Buffer<std::uint32_t> no_list_;
 };

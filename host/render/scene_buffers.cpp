@@ -92,22 +92,6 @@ void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device,
 
 namespace {
 
-/// Shapes of every surface where a camera asks for them.
-std::vector<shared::Lobe> lobes_of(const scene::CompiledScene& scene) {
-  const auto matter = scene::camera_matter(scene);
-  if (!matter.shaped && !matter.through) return std::vector<shared::Lobe>(1);
-  auto lobes = scene::surface_lobes(scene);
-  const std::size_t records =
-      scene.surfaces.size() * (RC_LOBES + scene::curve_roles(scene) - RC_CURVE_ROLES);  // then tables
-  for (std::size_t i = 0; i < records; ++i) {
-    RcParameters wide{};
-    std::copy(std::begin(lobes[i].parameter), std::end(lobes[i].parameter), wide.of);
-    wide = rc_shape_widened(lobes[i].shape, wide, static_cast<double>(static_cast<float>(scene::kLeastRoughness)));
-    for (int k = 0; k < 6; ++k) lobes[i].parameter[k] = static_cast<float>(wide.of[k]);
-  }
-  return lobes;
-}
-
 scene::Skyline without_cells(const scene::Skyline& skyline) {
   return {skyline.instance, skyline.x_m, skyline.y_m, skyline.per_cell, skyline.columns, skyline.rows, {}};
 }
@@ -123,6 +107,6 @@ SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScen
       skyline(without_cells(scene.skyline)),
       skyline_cells(context, scene.skyline.cells.empty() ? std::vector<float>(1) : scene.skyline.cells,
                     cl::Access::read_only, "skylines of the ground"),
-      lobes(context, lobes_of(scene), cl::Access::read_only, "shapes of surfaces") {}
+      lobes(context, scene::camera_lobes(scene), cl::Access::read_only, "shapes of surfaces") {}
 
 }  // namespace raycube::render

@@ -48,6 +48,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.matter = plan.matter;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
+  shape.lobe_albedo = !plan.thermal.albedo_at.empty();
   shape.heights = plan.height.count;
   shape.views = plan.view.count;
   shape.path_x = plan.path_x.count;
@@ -94,6 +95,10 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   trace("RC_STACK", static_cast<int>(stack_bound));
   trace("RC_MOVING", shape.moving);
   if (shape.matter.sides() > 1) both("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  if (shape.lobe_albedo) {
+    both("RC_LOBE_ALBEDO", 1);
+    if (shape.matter.sides() == 1) rows("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  }
   if (shape.first_opaque) trace("RC_FIRST_OPAQUE", 1);
   rows("RC_SUN", shape.sun);
   rows("RC_TEMPERATURES", shape.temperatures);

@@ -38,6 +38,7 @@ struct StageShape {
   int bands_padded = 0;
   bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
   scene::CameraMatter matter;
+  bool lobe_albedo = false;    ///< emission goes by the angle
   bool bounces = false;        ///< light comes by surfaces after the first
   int skeleton = 0;            ///< wavelengths along its paths
   std::size_t path_steps = 0;  ///< of a pixel, that are handed over; 0: none are

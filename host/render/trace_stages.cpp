@@ -68,6 +68,8 @@ struct PathStage {
       : kernel(program, "trace_bounce"),
         scattering(context, plan.bounces.scattering, cl::Access::read_only, "scattering of surfaces"),
         curve(context, plan.bounces.curve, cl::Access::read_only, "curves of the skeleton"),
+        albedo(context, plan.thermal.albedo, cl::Access::read_only, "albedos of lobes"),
+        albedo_at(context, plan.thermal.albedo_at, cl::Access::read_only, "albedo tables of lobes"),
         share(context, plan.bounces.source_share, cl::Access::read_only, "sources of the skeleton"),
         ground(context, plan.bounces.ground, cl::Access::read_only, "ground around a scene"),
         weight(context, shape.tile().near, cl::Access::read_only, "sample weights"),
@@ -85,7 +87,9 @@ struct PathStage {
 
   cl::Kernel kernel;
   cl::Buffer<shared::rc_float4> scattering;
-  cl::Buffer<float> curve, share, ground, weight;
+  cl::Buffer<float> curve, albedo;
+  cl::Buffer<std::uint32_t> albedo_at;
+  cl::Buffer<float> share, ground, weight;
   std::optional<sensors::SampleWeights> weights;
   int loaded_chunk = -1;
 };
@@ -255,6 +259,8 @@ struct TraceStages::State {
                              .lobes = buffers.lobes,
                              .scattering = paths->scattering,
                              .skeleton_curve = paths->curve,
+                             .albedo_at = paths->albedo_at,
+                             .albedo = paths->albedo,
                              .source_share = paths->share,
                              .ground_around = paths->ground,
                              .lamps = lamp_tables.lamps,

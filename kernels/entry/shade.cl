@@ -31,7 +31,7 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
   const RayGroup rays = groups[rc_group_of(pixel, columns, RC_PIXELS_PER_GROUP)];
   const float4 sensor = fma((float4)(-rays.d0.w), rays.d0, rays.origin); /* of a moving pose: at the pixel's middle */
 
-  const OpenSky sky = {irradiance_map, (int)map_size, tilt_irradiance, open_share};
+  const OpenSky sky = {irradiance_map, (int)map_size, tilt_irradiance, open_share RC_GATHER_ALBEDOS()};
   ShadedSamples samples;
   rc_light_of_samples(scene, &traced, lobes, &sky, height_first, height_step, &samples);
   TruthSums sums;

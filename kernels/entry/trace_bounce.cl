@@ -27,7 +27,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
       lowest,
       sun_up,
       levels,
-      seed RC_GATHER_LAMPS() RC_GATHER_LOG()};
+      seed RC_GATHER_ALBEDOS() RC_GATHER_LAMPS() RC_GATHER_LOG()};
   const uint samples = RC_NU * RC_NV;
   global float* out = glow + RC_GLOW_AT(place.pixel, 0u);
   global const float* group_in = surface + RC_SURFACE_AT(place.pixel);

@@ -20,7 +20,8 @@ static inline void rc_gain_mirrored(SceneArrays scene, const PathTables* t, uint
   float light[RC_SKELETON], more[1 + RC_FURTHER];
   rc_more_factors(t, surface, RC_GLOSS_SIDE, normal, in, out, irradiance, more);
   rc_carry_on(scene, t, surface, RC_GLOSS_SIDE,
-              irradiance * rc_gloss_factor(t, rc_gloss_of(t, surface), normal, in, out), more, carried, light);
+              irradiance * rc_gloss_factor(t->lobes, rc_gloss_of(t->lobes, surface), normal, in, out), more, carried,
+              light);
   for (uint m = 0; m < RC_SKELETON; ++m) gained[m] = fma(share ? share[m] : 1.0f, light[m], gained[m]);
 }
 #endif
@@ -126,22 +127,6 @@ static inline void rc_gain_ground(const PathTables* t, uint k, Paths16* paths) {
     paths->gained[k][m] = fma(t->ground_around[m], paths->carried[k][m], paths->gained[k][m]);
 }
 
-#if RC_GLOSSY
-/* Direction by the gloss of a surface for u and v uniform in [0, 1): half mirrored at its facets, half by the cosine.
- * weight: times its form, how much more than by Lambert's law; 0 where it points into the surface. */
-static inline float4 rc_way_mirrored(const PathTables* t, Lobe gloss, float4 normal, float4 out, float u, float v,
-                                     float* weight) {
-  const SkyDensity cosine = {1.0f, 0.0f, 0.5f, 0.0f, 0.0f, 1.0f};
-  const float alpha = rc_shape_roughness(gloss.shape, rc_parameters(t->lobes, gloss));
-  const SkyRay ray = rc_mirrored_way(cosine, alpha, u, v, normal.x, normal.y, normal.z, out.x, out.y, out.z);
-  const float4 way = (float4)(ray.x, ray.y, ray.z, 0.0f);
-  const float density = RC_GLOSS_SHARE * rc_facets_pdf(alpha, rc_angles(normal, out, way)) +
-                        (1.0f - RC_GLOSS_SHARE) * rc_sky_density(cosine, ray.x, ray.y, ray.z, ray.facing);
-  *weight = ray.facing > 0.0f ? 0.318309886f * ray.facing / density : 0.0f;
-  return way;
-}
-#endif
-
 /* From their ends the live paths go on: by one side or the gloss, chosen by chance, in a direction by the cosine about
  * it or by that. From the third surface on a path may end, the likelier the less it can carry. Returns those that go
  * on. */
@@ -170,12 +155,12 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
     const float4 normal = rc_lane_of(ends->normal, k), came = rc_way_of(&paths->rays, k);
 #if RC_GLOSSY
     if (mirrored) {
-      const Lobe lobe = rc_gloss_of(t, surface);
-      const float4 turned = rc_way_mirrored(t, lobe, normal, -came, rc_path_draw(t, number, path, level, 2u),
+      const Lobe lobe = rc_gloss_of(t->lobes, surface);
+      const float4 turned = rc_way_mirrored(t->lobes, lobe, normal, -came, rc_path_draw(t, number, path, level, 2u),
                                             rc_path_draw(t, number, path, level, 3u), &shaped);
       if (!(shaped > 0.0f)) continue;
       rc_more_factors(t, surface, RC_GLOSS_SIDE, normal, turned, -came, shaped / chance, more);
-      shaped *= rc_gloss_factor(t, lobe, normal, turned, -came);
+      shaped *= rc_gloss_factor(t->lobes, lobe, normal, turned, -came);
       rc_carry_on(scene, t, surface, RC_GLOSS_SIDE, shaped / chance, more, paths->carried[k], paths->carried[k]);
       rc_put_ray(&paths->rays, k, rc_lane_of(ends->front, k), turned);
 #if RC_PATH_LOG
@@ -228,7 +213,9 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
       const uint k = rc_lowest(left);
       /* Of a plate that was so when the ray met it. */
       if (rc_is_plate(t->lobes, paths->ends.surface[k])) continue;
-      rc_gain_heat(scene, t, paths->ends.surface[k], paths->carried[k], paths->gained[k]);
+      const float4 back = -rc_way_of(&paths->rays, k);
+      rc_gain_heat(scene, t, paths->ends.surface[k], rc_lane_of(paths->ends.normal, k), back, paths->carried[k],
+                   paths->gained[k]);
     }
 #endif
 #if RC_SUN

@@ -42,6 +42,35 @@ static inline float rc_shape_factor(global const Lobe* lobes, uint surface, floa
   return 1.0f;
 }
 
+#if RC_GLOSSY
+/* The gloss of a surface: materials mixed in it share one. Its shape is RC_SHAPE_none where it has none. */
+static inline Lobe rc_gloss_of(global const Lobe* lobes, uint surface) {
+  Lobe lobe = lobes[surface * RC_LOBE_STRIDE + 1u];
+  for (uint i = 2; i < RC_LOBE_BEHIND; ++i)
+    if (!(lobe.share > 0.0f)) lobe = lobes[surface * RC_LOBE_STRIDE + i];
+  return lobe;
+}
+
+/* How many times Lambert's radiance goes from `in` to `out` by a gloss. */
+static inline float rc_gloss_factor(global const Lobe* lobes, Lobe gloss, float4 normal, float4 in, float4 out) {
+  return rc_shape_eval(gloss.shape, 3.14159265f, rc_parameters(lobes, gloss), rc_angles(normal, in, out));
+}
+
+/* Direction by the gloss of a surface for u and v uniform in [0, 1): half mirrored at its facets, half by the cosine.
+ * weight: times its form, how much more than by Lambert's law; 0 where it points into the surface. */
+static inline float4 rc_way_mirrored(global const Lobe* lobes, Lobe gloss, float4 normal, float4 out, float u, float v,
+                                     float* weight) {
+  const SkyDensity cosine = {1.0f, 0.0f, 0.5f, 0.0f, 0.0f, 1.0f};
+  const float alpha = rc_shape_roughness(gloss.shape, rc_parameters(lobes, gloss));
+  const SkyRay ray = rc_mirrored_way(cosine, alpha, u, v, normal.x, normal.y, normal.z, out.x, out.y, out.z);
+  const float4 way = (float4)(ray.x, ray.y, ray.z, 0.0f);
+  const float density = RC_GLOSS_SHARE * rc_facets_pdf(alpha, rc_angles(normal, out, way)) +
+                        (1.0f - RC_GLOSS_SHARE) * rc_sky_density(cosine, ray.x, ray.y, ray.z, ray.facing);
+  *weight = ray.facing > 0.0f ? 0.318309886f * ray.facing / density : 0.0f;
+  return way;
+}
+#endif
+
 /* Direction by the cosine about the side that light goes on from, for u and v uniform in [0, 1). normal: of the side
  * that the ray came to; came: its direction. shaped: how many times Lambert's radiance goes there. */
 static inline float4 rc_way_on(global const Lobe* lobes, uint surface, bool through, float4 normal, float4 came,

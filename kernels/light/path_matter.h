@@ -6,13 +6,14 @@
 #if RC_LAMPS
 #include "kernels/light/lamps.h"
 #endif
+#include "kernels/light/lobe_albedo.h"
 #include "kernels/light/path_ends.h"
 #include "kernels/light/sky_map.h"
 #include "kernels/shared/product_key.h"
 
 /* What a black body at a material's temperature sends beyond one at the surroundings', over the light of all sources
  * together: the role after all others (plan::Bounces::curve). */
-#define RC_CURVE_HEAT (RC_CURVE_FURTHER + RC_FURTHER_RECORDS)
+#define RC_CURVE_HEAT RC_CURVE_LEANING(RC_FURTHER_RECORDS)
 #define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
 #if RC_LAMPS
 #define RC_GATHER_LAMPS() \
@@ -39,6 +40,9 @@ typedef struct PathTables {
   float4 sun;   /* direction to it */
   float lowest; /* z of the scene, m */
   uint sun_up, levels, seed;
+#if RC_LOBE_ALBEDO
+  LobeAlbedos albedos;
+#endif
 #if RC_LAMPS
   LampTables lamps;
 #endif
@@ -65,20 +69,7 @@ typedef struct Paths16 {
 } RC_LINE Paths16;
 
 #if RC_GLOSSY
-/* The gloss of a surface: materials mixed in it share one. Its shape is RC_SHAPE_none where it has none. */
-static inline Lobe rc_gloss_of(const PathTables* t, uint surface) {
-  Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + 1u];
-  for (uint i = 2; i < RC_LOBE_BEHIND; ++i)
-    if (!(lobe.share > 0.0f)) lobe = t->lobes[surface * RC_LOBE_STRIDE + i];
-  return lobe;
-}
-
 static inline bool rc_glossy(const PathTables* t, uint surface) { return t->scattering[surface].z > 0.0f; }
-
-/* How many times Lambert's radiance goes from `in` to `out` by a gloss. */
-static inline float rc_gloss_factor(const PathTables* t, Lobe gloss, float4 normal, float4 in, float4 out) {
-  return rc_shape_eval(gloss.shape, 3.14159265f, rc_parameters(t->lobes, gloss), rc_angles(normal, in, out));
-}
 #endif
 
 /* Factors of the further lobes by which a side of a surface scatters, [RC_FURTHER]: `scale` times how many times

@@ -31,6 +31,9 @@ typedef struct ShadedSamples {
   float height_fraction[RC_PADDED_SAMPLES];
   uint height_index[RC_PADDED_SAMPLES];
   uint surface[RC_PADDED_SAMPLES]; /* with its side; RC_NONE: nothing was hit, or it has been summed */
+#if RC_LOBE_ALBEDO
+  float albedo[RC_PADDED_SAMPLES]; /* of an even light, what the slot's lobe sends to the viewer; Lambert's: 1 */
+#endif
 } RC_LINE ShadedSamples;
 
 /* Of word g, the word of the same samples' near sides. */

@@ -5,6 +5,7 @@
 
 #include "kernels/atmosphere/nodes.h"
 #include "kernels/geometry/scene_arrays.h"
+#include "kernels/light/lobe_albedo.h"
 #include "kernels/light/spread.h"
 #include "kernels/shading/pixel.h"
 
@@ -16,6 +17,9 @@ typedef struct OpenSky {
   int map_size;
   global const float4* tilt_irradiance; /* thermal components, at nodes of the normal's vertical component */
   global const float* open_share;       /* [surface]: how much of it is taken for granted */
+#if RC_LOBE_ALBEDO
+  LobeAlbedos albedos;
+#endif
 } OpenSky;
 
 /* Solar irradiance of the last normal asked for: neighbouring samples of one triangle share theirs. */
@@ -40,14 +44,18 @@ static inline float4 rc_solar_irradiance(const OpenSky* sky, float nx, float ny,
 }
 
 /* Of the thermal sky the share `known`. The surroundings, the last component, have what lies below the horizon and the
- * rest of the sky: pi less the share of what the open sky takes of the hemisphere. */
-static inline float4 rc_thermal_irradiance(const OpenSky* sky, float nz, float known) {
+ * rest of the sky: pi less the share of what the open sky takes of the hemisphere, and of shapes, to whose viewer more
+ * or less of an even light goes, pi times `more`. */
+static inline float4 rc_thermal_irradiance(const OpenSky* sky, float nz, float known, float more) {
   int tilt;
   float beyond;
   rc_node_weights(nz, -1.0f, 2.0f / (RC_TILT_NODES - 1), RC_TILT_NODES, &tilt, &beyond);
   float4 e = fma((float4)(1.0f - beyond), sky->tilt_irradiance[tilt], beyond * sky->tilt_irradiance[tilt + 1]);
   const float hemisphere = 3.14159265f;
-  const float4 surroundings = fma((float4)(known - 1.0f), e - hemisphere, e);
+  float4 surroundings = fma((float4)(known - 1.0f), e - hemisphere, e);
+#if RC_LOBE_ALBEDO
+  surroundings += hemisphere * more;
+#endif
   const int last = RC_THERMAL_COMPONENTS - 1;
   e *= known;
   if (last == 0) e.x = surroundings.x;
@@ -91,12 +99,24 @@ static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* tra
     int h = 0;
     float f = 0.0f;
     for (int m = 0; m < RC_LIT; ++m) samples->value[m][s] = 0.0f;
+#if RC_LOBE_ALBEDO
+    samples->albedo[s] = 0.0f;
+#endif
     if (rc_scatters(traced, s)) {
       global const float* at = traced->point + s;
       const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
       const uint surface = rc_surface_of(scene, traced->primitive[RC_SAMPLE_OF(s)]);
       const bool granted = !rc_mirrors(lobes, at, RC_SIDE_OF(s)); /* of gloss nothing is */
       const float known = RC_COMPONENTS > 0 ? (granted ? sky->open_share[surface] : 0.0f) : 0.0f;
+      float albedo = 1.0f;
+#if RC_LOBE_ALBEDO
+      const uint lobe = as_uint(at[RC_PLANE(RC_LOBE_AT)]);
+      if (lobe > 0u)
+        albedo = rc_lobe_albedo(
+            sky->albedos, lobe - 1u, (float4)(nx, ny, nz, 0.0f),
+            (float4)(at[RC_PLANE(RC_VIEWER_X)], at[RC_PLANE(RC_VIEWER_Y)], at[RC_PLANE(RC_VIEWER_Z)], 0.0f));
+      samples->albedo[s] = albedo;
+#endif
       id = surface | RC_SIDE_OF(s) << RC_SIDE_SHIFT;
       rc_node_weights(at[RC_PLANE(RC_POINT_Z)], height_first, height_step, RC_HEIGHTS, &h, &f);
       if (RC_SOLAR_COMPONENTS > 0)
@@ -104,7 +124,7 @@ static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* tra
                            known * rc_solar_irradiance(sky, nx, ny, nz, &last));
       if (RC_THERMAL_COMPONENTS > 0)
         rc_file_components(samples, RC_SUN + RC_SOLAR_COMPONENTS, RC_THERMAL_COMPONENTS, s,
-                           rc_thermal_irradiance(sky, nz, known));
+                           rc_thermal_irradiance(sky, nz, known, albedo - 1.0f));
     }
     samples->surface[s] = id;
     samples->height_index[s] = (uint)h;

@@ -15,13 +15,23 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
   float16 covered[RC_HEIGHTS];
   for (int h = 0; h < RC_HEIGHTS; ++h) covered[h] = 0.0f;
 #endif
+#if RC_LOBE_ALBEDO
+  float16 sent_back[RC_HEIGHTS];
+  for (int h = 0; h < RC_HEIGHTS; ++h) sent_back[h] = 0.0f;
+#endif
   for (int g = first; g < RC_WORDS; ++g) {
     const uint16 ids = rc_load16(g, samples->surface);
     const int16 mine = ids == (uint16)(id);
     const float16 weight = rc_load16(rc_near_word(g), traced->weight);
     sum[RC_LIT * RC_HEIGHTS] += rc_masked(weight, mine);
+#if RC_LOBE_ALBEDO
+    const float16 even = weight * rc_load16(g, samples->albedo);
+#endif
 #if RC_HEIGHTS == 1
     for (int m = 0; m < RC_LIT; ++m) sum[m] += rc_masked(rc_load16(g, samples->value[m]), mine);
+#if RC_LOBE_ALBEDO
+    sent_back[0] += rc_masked(even, mine);
+#endif
 #else
     const uint16 hi = rc_load16(g, samples->height_index);
     const float16 hf = rc_load16(g, samples->height_fraction);
@@ -33,6 +43,9 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
 #if RC_TEMPERATURES > 0
       covered[h] = fma(weight, part, covered[h]);
 #endif
+#if RC_LOBE_ALBEDO
+      sent_back[h] = fma(even, part, sent_back[h]);
+#endif
     }
 #endif
     rc_store16(select(ids, (uint16)(RC_NONE), as_uint16(mine)), g, samples->surface);
@@ -42,6 +55,9 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
   for (int h = 0; h < RC_HEIGHTS; ++h) out->cover[h] = rc_lane_sum(covered[h]) / sample_total;
 #elif RC_TEMPERATURES > 0
   out->cover[0] = out->value[RC_LIT];
+#endif
+#if RC_LOBE_ALBEDO
+  for (int h = 0; h < RC_HEIGHTS; ++h) out->sent_back[h] = rc_lane_sum(sent_back[h]) / sample_total;
 #endif
 }
 

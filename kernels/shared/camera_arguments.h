@@ -106,6 +106,8 @@
   READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED or RC_THROUGH */ \
   READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T, z of gloss */ \
   READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
+  READ(rc_uint, albedo_at) NEXT()     /* read where RC_LOBE_ALBEDO, as the next: kernels/light/lobe_albedo.h */ \
+  READ(rc_float, albedo) NEXT() \
   READ(rc_float, source_share) NEXT() /* [sun, components][RC_SKELETON]: a source's light over that of all */ \
   READ(rc_float, ground_around) NEXT() /* [RC_SKELETON]: pi times its radiance over the light of all */ \
   READ(Lamp, lamps) NEXT()            /* read where RC_LAMPS, as the next */ \
@@ -168,6 +170,8 @@
   VALUE(rc_uint, map_size) NEXT() \
   READ(rc_float4, tilt_irradiance) NEXT() /* [RC_TILT_NODES] */ \
   READ(rc_float4, surface_node) NEXT() /* [surface]: its materials' temperatures on their axis */ \
+  READ(rc_uint, albedo_at) NEXT()     /* read where RC_LOBE_ALBEDO, as the next: kernels/light/lobe_albedo.h */ \
+  READ(rc_float, albedo) NEXT() \
   VALUE(rc_float, height_first) NEXT() \
   VALUE(rc_float, height_step) NEXT() \
   WRITE(rc_uint, row_count) NEXT() \

@@ -29,6 +29,9 @@ typedef std::uint32_t rc_id;
 #define RC_CURVE_ROLES 3u   /* that every material has; then those of its further lobes */
 #define RC_CURVE_FURTHER 3u /* of shapes that change with wavelength: what further nodes send (spectral_shape.h) */
 #define RC_MOST_NODES 8u    /* of a shape */
+/* The role after all others, of no curve: emission by what a front shape sends back of an even light beyond Lambert's
+ * law, under the material's own curve (kernels/light/lobe_albedo.h). records: RC_FURTHER_RECORDS. */
+#define RC_CURVE_LEANING(records) (RC_CURVE_FURTHER + (records))
 
 /* Ways by which light that falls onto a surface goes to the viewer: from the side that he sees, through from the far
  * one, or from the near one by its gloss; then by the further lobes of what the near one reflects or mirrors,

@@ -36,7 +36,9 @@
  *                             times pi f), then the components of sky and surroundings and the sources of lamps
  *                             (weight * their irradiance), then the temperature nodes of emission (weight * node
  *                             weight of the material's temperature), each split over the height nodes by linear
- *                             weights
+ *                             weights. Of matter that is not Lambert's the node weights are times what its lobe
+ *                             sends back of an even light towards the viewer (RC_LOBE_ALBEDO), so that a front has a
+ *                             key more, RC_CURVE_LEANING, with what that is beyond 1
  *     [last]                  coverage: sum of sample weights (the material's abundance in the pixel)
  *   path      float   [carried][heights]         weight of all samples at the height nodes
  *   truth     float   [carried][RC_TRUTH_SUMS]   sums RC_TRUTH_*, of the samples that hit, times their weight
@@ -91,6 +93,11 @@
 /* Paths of a pixel as they are numbered, part by part (rc_sky_number): some numbers may be nobody's. */
 #define RC_NUMBERED_PATHS(paths) (((paths) + RC_PATH_PARTS - 1) / RC_PATH_PARTS * RC_PATH_PARTS)
 
+/* Nodes of a lobe's albedo (scene_compiler/lobe_albedo.h): of the viewer's zenith angle on the surface, 0 to pi / 2,
+ * and of its azimuth, 0 to pi; what is turned half round is the same. */
+#define RC_ALBEDO_ZENITHS 129
+#define RC_ALBEDO_AZIMUTHS 17
+
 #define RC_ENVIRONMENT_NODES 4 /* nodes of the ground around that a pixel takes light from */
 
 #ifdef __OPENCL_C_VERSION__
@@ -139,6 +146,9 @@
 #endif
 #ifndef RC_TEMPERATURES
 #define RC_TEMPERATURES 0 /* nodes of emission */
+#endif
+#ifndef RC_LOBE_ALBEDO
+#define RC_LOBE_ALBEDO 0 /* 1: emission goes by the angle (kernels/light/lobe_albedo.h); then RC_SHAPED is 1 too */
 #endif
 #ifndef RC_COVERS
 #define RC_COVERS 0 /* 1: what covers a pixel is a term of its own: there is truth per band */

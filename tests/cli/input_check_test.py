@@ -140,16 +140,6 @@ with tempfile.TemporaryDirectory() as work:
     )
     check(text.count("\n") == 3, text)  # one curve, three temperatures
 
-    # Thermal light knows Lambert's surfaces alone.
-    rough = with_material(
-        "rough.toml",
-        '{ name = "dark", reflectance = 0.10, temperature_K = 300.0, oren_nayar = { sigma_deg = 20.0 } }',
-        air=LAYERED,
-    )
-    edited(rough, '{ name = "light"', '{ temperature_K = 300.0, name = "light"')
-    edited(rough, "first_nm = 450.0, step_nm = 50.0, count = 10", "first_nm = 10000.0, step_nm = 50.0, count = 2")
-    shaped = ["material 'dark'", "thermal light of Lambertian surfaces alone", "remove its table"]
-    text = all_refuse(work, rough, shaped)
     beyond = edited(scene(work, "beyond.toml", air=LAYERED), "first_nm = 450.0", "first_nm = 250.0")
     all_refuse(work, beyond, ["the layered model covers 0.3 to 30 um"])
     level = scene(work, "level.toml", air=LAYERED, instrument="pitch_deg = 90.0")

@@ -18,6 +18,7 @@
 #include "host/run/check_bounced.h"
 #include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
+#include "scene_compiler/spectral_shape.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
 
@@ -198,6 +199,40 @@ TEST_CASE("S4.8 S16 light between warm surfaces is that of another code's paths,
       CHECK(bounced.apart(band) < 4);
       CHECK(band.error < 0.02 * std::abs(band.reference));
     }
+  }
+}
+
+TEST_CASE("S21 S4.8 S61 matter that is not Lambert's emits by the angle: device, reference and paths of another code") {
+  auto simulation = village(kSummer, 60);
+  auto& materials = simulation.scene.materials;
+  materials[0].front = materials[2].front = {RC_SHAPE_rpv, {0.8, -0.2, 0.5}};  // mixed in one surface
+  materials[1].gloss = {RC_SHAPE_gloss, {0.3, 0.2}};
+  materials[3].gloss_nodes = {{8, {RC_SHAPE_gloss, {0.3, 0.1}}}, {12, {RC_SHAPE_gloss, {0.45, 0.4}}}};
+  materials[3].gloss = materials[3].gloss_nodes[0].shape;
+  materials[4].front = {RC_SHAPE_oren_nayar, {30}}, materials[4].gloss = {RC_SHAPE_ward, {0.3, 0.2, 0.5, 30}};
+  for (auto& material : materials) scene::make_lobes(material);
+  simulation.instruments[0].bands = test::gaussian_bands({8.3, 10.2, 12.4}, 0.2);
+  simulation.sun.zenith_deg = 120, simulation.sky_directions = 2048, simulation.tolerance = 0.01;
+  const auto table = atmos::isothermal_table(
+      285, [](double um) { return 0.3 + 0.02 * std::pow(um - 10, 2); }, 600, atmos::wavelength_grid(7, 14, 0.02));
+  plan::Plan plan;
+  compare(simulation, table, plan);
+  CHECK(!plan.thermal.albedo.empty());
+  simulation.bounces = 3, simulation.bounces_given = true;
+  const scene::Instrument& camera = simulation.instruments[0];
+  plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
+  REQUIRE(plan.bounces.any());
+  render::Renderer renderer(simulation.scene, {});
+  const auto replayed = run::replay_paths(renderer, simulation, camera, plan, {});
+  MESSAGE(replayed.text());
+  for (const std::string& failure : replayed.failures()) FAIL_CHECK(failure);
+  CHECK(replayed.worst > 0);
+  const auto bounced = run::check_bounced(renderer, simulation, camera, plan, {});
+  MESSAGE(bounced.text());
+  for (const std::string& failure : bounced.failures()) FAIL_CHECK(failure);
+  for (const auto& band : bounced.bands) {
+    CHECK(bounced.apart(band) < 4);
+    CHECK(band.error < 0.02 * std::abs(band.reference));
   }
 }
 
