@@ -20,6 +20,8 @@ std::string program_options(const scene::CompiledScene& scene, const SceneBuffer
   if (matter.shaped) out += " -DRC_SHAPED=1";
   if (matter.further_records > 0) out += " -DRC_FURTHER_RECORDS=" + std::to_string(matter.further_records);
   if (matter.through) out += " -DRC_THROUGH=1";
+  if (matter.plates) out += " -DRC_PLATES=1";
+  if (matter.glossy) out += " -DRC_GLOSSY=1";
   return out + buffers.options;
 }
 

@@ -94,18 +94,23 @@ PhotonScene photon_scene(const scene::Simulation& simulation, const scene::Light
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     const bool ground =
         std::find(budget.ground.begin(), budget.ground.end(), scene.materials[m].name) != budget.ground.end();
-    out.material.push_back({Spectrum(out.wavelengths, 0.0), Spectrum(out.wavelengths, 0.0), named[m], ground});
+    const Spectrum none(out.wavelengths, 0.0);
+    out.material.push_back({none, none, none, named[m], ground});
   }
   for (const std::uint32_t m : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[m];
     out.material[m].reflected = plan::sample_curve(material, material.reflectance, plan.wavelength_um);
-    if (scene::lets_light_through(material))
+    out.material[m].mirrored = plan::curve_on(scene, scene::gloss_curve(scene, m), plan.wavelength_um);
+    if (scene::lets_light_through(material) || scene::is_plate(material))
       out.material[m].through = plan::sample_curve(material, material.transmittance, plan.wavelength_um);
   }
-  const auto lobes = scene::surface_lobes(scene);
-  const std::size_t further = scene::most_further(scene);
-  for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
-    out.shaped.push_back(!lobes.empty() && lobes[s * (RC_LOBES + further)].shape != RC_SHAPE_lambert);
+  for (const shared::Surface& surface : scene.surfaces) {
+    bool shaped = false;
+    scene::for_each_lobe(scene, surface, [&](std::size_t record, const scene::Shape& shape, double) {
+      shaped = shaped || (record != RC_LOBE_BEHIND && shape.number != RC_SHAPE_lambert);
+    });
+    out.shaped.push_back(shaped);
+  }
   return out;
 }
 
@@ -304,18 +309,11 @@ void check_budget(const scene::Simulation& simulation, const scene::LightBudget&
                                                       budget.name));
   for (const std::uint32_t m : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[m];
-    const bool glossy = material.gloss.number != RC_SHAPE_none,
-               plate = !material.transmittance.value.empty() && !scene::lets_light_through(material);
-    const bool changing = !material.front_nodes.empty();
-    if (glossy || plate || changing)
+    if (!material.further.empty())
       throw base::Error(base::Fault::input,
-                        fmt::format("budget '{}' follows light by what matter scatters into all directions (found {} "
-                                    "of material '{}'); give it a reflectance, and of a leaf a transmittance, alone",
-                                    budget.name,
-                                    glossy  ? "the gloss"
-                                    : plate ? "light that goes straight on"
-                                            : "a shape that changes with wavelength",
-                                    material.name));
+                        fmt::format("budget '{}' follows light by shapes that are the same at all wavelengths (found "
+                                    "one of material '{}' that changes); give it one set of numbers",
+                                    budget.name, material.name));
   }
 }
 

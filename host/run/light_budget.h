@@ -34,8 +34,8 @@ struct BudgetResult {
   const LightShare& of(const std::string& quantity, const std::string& name = "") const;
 };
 
-/// Throws Error(input): a sun that is down, bands where surfaces shine by themselves, an empty scene, matter whose
-/// light is not followed (gloss, plates).
+/// Throws Error(input): a sun that is down, bands where surfaces shine by themselves, an empty scene, shapes that
+/// change with wavelength.
 void check_budget(const scene::Simulation& simulation, const scene::LightBudget& budget);
 
 /// The air is left out of the simulation. facet_files: for the meshes of budget.facets, in their order. Shares are
@@ -43,7 +43,7 @@ void check_budget(const scene::Simulation& simulation, const scene::LightBudget&
 /// followed surface by surface (render::PhotonTracer), 1000 of them at most; what it carries is what a material's
 /// curves leave of it, at every wavelength of the plan's grid, and a band's share is the mean over the band weighed
 /// by response and sunlight. Of what is met 1 - R - T is absorbed; where a surface does not reflect by Lambert's
-/// law, 1 less what goes in the direction that was drawn. In a scene that repeats photons that leave the cell come
+/// law, or is glossy, 1 less what goes in the direction that was drawn. Through a plate light goes straight on. In a scene that repeats photons that leave the cell come
 /// in at its other side, at each surface that they meet.
 /// Quantities: reflected (the albedo: directional-hemispherical under the sun, bihemispherical under isotropic light),
 /// absorbed and arrived of each material, canopy (absorbed by all but the ground), transmitted and

@@ -110,7 +110,7 @@ void PhotonCount::meet(const shared::Photon& photon, const Spectrum& carried, bo
   scene::for_each_material(scene_.compiled.surfaces[surface], [&](std::size_t number, float share) {
     const MaterialLight& material = scene_.material[number];
     const double fraction = double{share}, factor = double{photon.factor};
-    const Spectrum& leaves = photon.side == RC_NEAR_SIDE ? material.reflected : material.through;
+    const Spectrum& leaves = material.leaving(photon.side);
     Spectrum &arrived = ledger.arrived[material.named], &absorbed = ledger.absorbed[material.named];
     for (std::size_t i = 0; i < scene_.wavelengths; ++i) {
       const double light = fraction * carried[i];
@@ -128,7 +128,7 @@ void PhotonCount::go_on(const shared::Photon& photon, Spectrum& carried) {
   leaves_.assign(scene_.wavelengths, 0.0);
   scene::for_each_material(scene::matter_of(scene_.compiled, photon.primitive), [&](std::size_t number, float share) {
     const MaterialLight& material = scene_.material[number];
-    add_to(leaves_, double{share}, photon.side == RC_NEAR_SIDE ? material.reflected : material.through);
+    add_to(leaves_, double{share}, material.leaving(photon.side));
   });
   const double factor = double{photon.factor} / double{photon.survival};
   for (std::size_t i = 0; i < carried.size(); ++i) carried[i] *= factor * leaves_[i];

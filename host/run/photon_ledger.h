@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/shared/product_key.h"
 #include "kernels/shared/structs.h"
 #include "host/plan/quadrature.h"
 #include "scene_compiler/compiled_scene.h"
@@ -16,8 +17,11 @@ using Spectrum = std::vector<double>;  ///< [wavelength]
 
 /// What a material does with light that falls onto it.
 struct MaterialLight {
-  Spectrum reflected, through;
-  std::uint32_t named = 0;  ///< which of the materials that the user named
+  const Spectrum& leaving(std::uint32_t side) const {
+    return side == RC_NEAR_SIDE ? reflected : side == RC_FAR_SIDE ? through : mirrored;
+  }
+  Spectrum reflected, through, mirrored;  ///< by its front, its far side, its gloss: curves of each
+  std::uint32_t named = 0;                ///< which of the materials that the user named
   bool ground = false;
 };
 
@@ -27,7 +31,7 @@ struct PhotonScene {
   std::size_t wavelengths = 0;
   std::vector<MaterialLight> material;  ///< [material]
   std::size_t named = 0;
-  std::vector<bool> shaped;                ///< [surface]: does not reflect by Lambert's law
+  std::vector<bool> shaped;                ///< [surface]: does not reflect by Lambert's law, or is glossy too
   std::vector<plan::BandQuadrature> band;  ///< by response and sunlight
   std::vector<double> levels;              ///< heights at which light is counted, m; on a surface, that just above it
   bool repeats = false;                    ///< then what leaves through a side is lost

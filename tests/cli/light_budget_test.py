@@ -179,6 +179,38 @@ def check_rough(folder):
     check(found.of("reflected")[1] < 1e-3, found.told)
 
 
+def check_glossy(folder):
+    """A pane over glossy ground: what comes through and back is a series (R and T are spread evenly but for the gloss),
+    and all that comes is reflected, absorbed by one of the two, or past the edge."""
+    pane = """[[material]]
+name = "pane"
+reflectance = 0.1
+transmittance = 0.6
+transmission = "plate"
+[[plane]]
+material = "pane"
+position_m = [0.0, 0.0, 0.01]
+size_m = [50.0, 50.0]
+[[plane]]
+"""
+    file = folder / "glossy.toml"
+    text = FLAT.replace("oren_nayar = { sigma_deg = 40.0 }", "GLOSS").replace("[[plane]]\n", pane, 1)
+    text = text.replace('name = "patch"\n', 'name = "patch"\nground = ["ground"]\n')
+    file.write_text(text.replace("GLOSS", ""))
+    found = budgets(file)["patch"]
+    down = 0.6 / (1 - 0.3 * 0.1)
+    found.is_near(down, "transmitted", floor=1e-4)
+    found.is_near(0.1 + 0.6 * 0.3 * down, "reflected", floor=1e-4)
+    found.is_near(0.3 * (1 + 0.3 * down), "absorbed", "pane", floor=1e-4)
+    file.write_text(text.replace("GLOSS", "gloss = { roughness = 0.2, f0 = 0.3 }"))
+    glossy = budgets(file)["patch"]
+    parts = [("reflected", ""), ("absorbed", "pane"), ("absorbed", "ground"), ("lost", ""), ("unfinished", "")]
+    whole, error = (f(glossy.of(*part)[k] for part in parts) for k, f in ((0, sum), (1, lambda e: sum(e))))
+    check(abs(whole - 1) < 4.5 * error + 1e-4 and error < 4e-3, whole, error)
+    check(glossy.of("reflected")[0] > found.of("reflected")[0] + 0.08, glossy.told)
+    check(glossy.of("absorbed", "ground")[0] < 0.7 * found.of("absorbed", "ground")[0], glossy.told)
+
+
 def check_edges(folder):
     """Three quarters of an area lie beside the scene: that light goes down past all levels and is lost, with a word."""
     file = folder / "edges.toml"
@@ -395,9 +427,8 @@ def check_refusals(folder):
     tree = '[[mesh]]\nname = "a/b"\nfile = "tree.obj"\nmaterial = "ground"\n[[budget]]'
     (folder / "tree.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     says("the name of a file", "'a/b'", old="[[budget]]", new=tree + '\nfacets = ["a/b"]')
-    says("the gloss", "'ground'", old="oren_nayar = { sigma_deg = 40.0 }", new="gloss = { roughness = 0.3, f0 = 0.04 }")
-    says("light that goes straight on", "'ground'", old="oren_nayar = { sigma_deg = 40.0 }",
-         new='transmittance = 0.2\ntransmission = "plate"')
+    says("that changes", "'ground'", old="oren_nayar = { sigma_deg = 40.0 }",
+         new="gloss = { at_nm = [500.0, 800.0], roughness = [0.3, 0.4], f0 = [0.04, 0.1] }")
     night = FLAT.replace("zenith_deg = 40.0", "zenith_deg = 95.0")
     file.write_text(night.replace(patch, patch + 'light = "isotropic"\n'))
     budgets(file, "--name", "patch")["patch"].is_near(1, "transmitted", floor=1e-12)  # an even sky needs no sun
@@ -410,6 +441,7 @@ def main():
         folder = pathlib.Path(name)
         check_pile(folder)
         check_rough(folder)
+        check_glossy(folder)
         check_edges(folder)
         check_far_mesh(folder)
         check_par(folder)

@@ -11,6 +11,7 @@
 #include "host/render/photons.h"
 #include "host/run/photon_ledger.h"
 #include "kernels/materials/shapes.h"
+#include "scene_compiler/lobe_albedo.h"
 #include "scene_compiler/matter.h"
 #include "tests/support/render_kit.h"
 
@@ -55,11 +56,12 @@ Followed follow(const scene::CompiledScene& compiled, double zenith_deg, const s
   for (std::size_t m = 0; m < compiled.materials.size(); ++m) {
     const scene::Material& material = compiled.materials[m];
     const auto through = material.transmittance.value;
+    const double gloss = material.gloss.number == RC_SHAPE_none ? 0 : 1;
     scene.material.push_back({material.reflectance.value, through.empty() ? run::Spectrum{0, 0} : through,
-                              static_cast<std::uint32_t>(m), material.name == "ground"});
+                              run::Spectrum{gloss, gloss}, static_cast<std::uint32_t>(m), material.name == "ground"});
   }
   for (std::size_t s = 0; s < compiled.surfaces.size(); ++s)
-    scene.shaped.push_back(!lobes.empty() && lobes[s * RC_LOBES].shape != RC_SHAPE_lambert);
+    scene.shaped.push_back(lobes[s * RC_LOBES].shape != RC_SHAPE_lambert || lobes[s * RC_LOBES + 1].share > 0);
   render::PhotonTracer tracer(compiled, {}, plan::surface_scattering(compiled, curves, kAt_um.size()));
   std::mt19937 places(7);
   std::uniform_real_distribution<float> within(-50, 50);
@@ -87,35 +89,76 @@ Followed follow(const scene::CompiledScene& compiled, double zenith_deg, const s
 
 }  // namespace
 
-TEST_CASE("S24 LIGHT 5: photons between a leaf and the ground are a geometric series at every wavelength") {
-  scene::CompiledScene scene;
-  const auto leaf = test::add_material(scene, "leaf", 0), soil = test::add_material(scene, "ground", 0);
-  scene.materials[0].reflectance = curve(0.1, 0.5), scene.materials[0].transmittance = curve(0.05, 0.4);
-  scene.materials[1].reflectance = curve(0.4, 0.3);
-  test::place(scene, wide(2, leaf));
-  test::place(scene, wide(0, soil));
-  scene::finish_top_tree(scene);
-  const Followed found = follow(scene, 40, {0, 1, 2, 5});
-  const double r[] = {0.1, 0.5}, t[] = {0.05, 0.4}, ground[] = {0.4, 0.3};
-  for (std::size_t i = 0; i < 2; ++i) {
-    CAPTURE(i);
-    const double down = t[i] / (1 - ground[i] * r[i]), up = ground[i] * down;
-    using Ledger = const run::PhotonLedger&;
-    found.check(r[i] + t[i] * up, [&](Ledger l) { return l.reflected[i]; });
-    found.check((1 - r[i] - t[i]) * (1 + up), [&](Ledger l) { return l.absorbed[0][i]; });
-    found.check((1 - ground[i]) * down, [&](Ledger l) { return l.absorbed[1][i]; });
-    found.check(1 + up, [&](Ledger l) { return l.arrived[0][i]; });
-    found.check(down, [&](Ledger l) { return l.ground[i]; });
-    found.check(0, [&](Ledger l) { return l.ground_first[i]; });
-    for (const std::size_t level : {0u, 1u}) {  // on the ground: just above it
-      found.check(down, [&](Ledger l) { return l.down[level][i]; });
-      found.check(up, [&](Ledger l) { return l.up[level][i]; });
-    }
-    for (const std::size_t level : {2u, 3u}) {  // on the leaf, and above all
-      found.check(1, [&](Ledger l) { return l.down[level][i]; });
-      found.check(r[i] + t[i] * up, [&](Ledger l) { return l.up[level][i]; });
+TEST_CASE("S23 S24 LIGHT 5: photons between a leaf or a plate and the ground are a series at every wavelength") {
+  for (const std::uint32_t behind : {RC_SHAPE_leaf, RC_SHAPE_plate}) {
+    CAPTURE(behind);
+    scene::CompiledScene scene;
+    const auto leaf = test::add_material(scene, "leaf", 0), soil = test::add_material(scene, "ground", 0);
+    scene.materials[0].behind = {behind};
+    scene.materials[0].reflectance = curve(0.1, 0.5), scene.materials[0].transmittance = curve(0.05, 0.4);
+    scene.materials[1].reflectance = curve(0.4, 0.3);
+    test::place(scene, wide(2, leaf));
+    test::place(scene, wide(0, soil));
+    scene::finish_top_tree(scene);
+    const Followed found = follow(scene, 40, {0, 1, 2, 5});
+    const double r[] = {0.1, 0.5}, t[] = {0.05, 0.4}, ground[] = {0.4, 0.3};
+    for (std::size_t i = 0; i < 2; ++i) {
+      CAPTURE(i);
+      const double down = t[i] / (1 - ground[i] * r[i]), up = ground[i] * down;
+      using Ledger = const run::PhotonLedger&;
+      found.check(r[i] + t[i] * up, [&](Ledger l) { return l.reflected[i]; });
+      found.check((1 - r[i] - t[i]) * (1 + up), [&](Ledger l) { return l.absorbed[0][i]; });
+      found.check((1 - ground[i]) * down, [&](Ledger l) { return l.absorbed[1][i]; });
+      found.check(1 + up, [&](Ledger l) { return l.arrived[0][i]; });
+      found.check(down, [&](Ledger l) { return l.ground[i]; });
+      found.check(0, [&](Ledger l) { return l.ground_first[i]; });
+      for (const std::size_t level : {0u, 1u}) {  // on the ground: just above it
+        found.check(down, [&](Ledger l) { return l.down[level][i]; });
+        found.check(up, [&](Ledger l) { return l.up[level][i]; });
+      }
+      for (const std::size_t level : {2u, 3u}) {  // on the leaf, and above all
+        found.check(1, [&](Ledger l) { return l.down[level][i]; });
+        found.check(r[i] + t[i] * up, [&](Ledger l) { return l.up[level][i]; });
+      }
     }
   }
+}
+
+TEST_CASE("S23 LIGHT 5: through a plate light goes straight on, and falls onto the ground where it would have") {
+  // A strip of dark ground, 10 m wide, lies where light through the pane falls at 60 degrees: all of it meets that.
+  scene::CompiledScene scene;
+  const auto pane = test::add_material(scene, "pane", 0), strip = test::add_material(scene, "ground", 0),
+             rest = test::add_material(scene, "rest", 0);
+  scene.materials[0].reflectance = curve(0, 0), scene.materials[0].transmittance = curve(0.9, 0.5);
+  scene.materials[0].behind = {RC_SHAPE_plate};
+  scene.materials[1].reflectance = scene.materials[2].reflectance = curve(0, 0);
+  const double east = 200 * std::tan(60 * std::numbers::pi / 180);
+  test::place(scene, wide(200, pane));
+  test::place(scene, test::rectangle({east - 60, -60, 1}, {120, 0, 0}, {0, 120, 0}, strip));
+  test::place(scene, wide(0, rest));
+  scene::finish_top_tree(scene);
+  const Followed found = follow(scene, 60, {});
+  for (std::size_t i = 0; i < 2; ++i)
+    found.check(i == 0 ? 0.9 : 0.5, [&](const run::PhotonLedger& l) { return l.absorbed[1][i]; });
+}
+
+TEST_CASE("S21 LIGHT 5: glossy ground keeps what neither its front nor its gloss sends") {
+  for (const scene::Shape& gloss : {scene::Shape{RC_SHAPE_gloss, {0.2, 0.1}}, {RC_SHAPE_ward, {0.2, 0.5, 0.4, 30}}})
+    for (const double zenith_deg : {20.0, 75.0}) {
+      scene::CompiledScene scene;
+      const auto soil = test::add_material(scene, "ground", 0);
+      scene.materials[0].reflectance = curve(0.2, 0.4), scene.materials[0].gloss = gloss;
+      test::place(scene, wide(0, soil));
+      scene::finish_top_tree(scene);
+      const double zenith = zenith_deg * std::numbers::pi / 180;
+      const double mirrored = scene::lobe_albedo(gloss, {-std::sin(zenith), 0, std::cos(zenith)});
+      const Followed found = follow(scene, zenith_deg, {});
+      for (std::size_t i = 0; i < 2; ++i) {
+        using Ledger = const run::PhotonLedger&;
+        found.check((i == 0 ? 0.2 : 0.4) + mirrored, [&](Ledger l) { return l.reflected[i]; });
+        found.check(1 - (i == 0 ? 0.2 : 0.4) - mirrored, [&](Ledger l) { return l.absorbed[0][i]; });
+      }
+    }
 }
 
 TEST_CASE("S21 LIGHT 5: rough ground keeps what its shape does not send") {
