@@ -88,19 +88,28 @@ PhotonScene photon_scene(const scene::Simulation& simulation, const scene::Light
                   .shaped = {},
                   .band = {},
                   .levels = budget.levels_m,
-                  .repeats = simulation.cell_m.has_value()};
+                  .repeats = simulation.cell_m.has_value(),
+                  .changing = scene::most_further(scene) > 0};
   for (const plan::BandQuadrature& band : plan.bands) out.band.push_back(sunlit(plan, band).weight);
   const auto named = scene::named_materials(scene);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     const bool ground =
         std::find(budget.ground.begin(), budget.ground.end(), scene.materials[m].name) != budget.ground.end();
     const Spectrum none(out.wavelengths, 0.0);
-    out.material.push_back({none, none, none, named[m], ground});
+    out.material.push_back({none, none, none, named[m], ground, {}, {}});
   }
   for (const std::uint32_t m : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[m];
     out.material[m].reflected = plan::sample_curve(material, material.reflectance, plan.wavelength_um);
     out.material[m].mirrored = plan::curve_on(scene, scene::gloss_curve(scene, m), plan.wavelength_um);
+    const auto add_lobes = [&](const std::vector<scene::ShapeAndCurve>& parts, std::vector<LobeLight>& to) {
+      for (const auto& part : parts)
+        to.push_back({scene::as_cameras_see(part.shape), plan::sample_curve(material, part.curve, plan.wavelength_um)});
+    };
+    if (out.changing) {
+      add_lobes(scene::front_parts(material), out.material[m].front_lobes);
+      add_lobes(scene::gloss_parts(material), out.material[m].gloss_lobes);
+    }
     if (scene::lets_light_through(material) || scene::is_plate(material))
       out.material[m].through = plan::sample_curve(material, material.transmittance, plan.wavelength_um);
   }
@@ -225,6 +234,7 @@ class Following {
       first.push_back(all.size());
       if (simulation_.cell_m)
         for (shared::Photon& photon : block.photons) source_.wrap(*simulation_.cell_m, photon);
+      block.count.set_off(block.photons);
       all.insert(all.end(), block.photons.begin(), block.photons.end());
     }
     if (all.empty()) return false;
@@ -307,14 +317,6 @@ void check_budget(const scene::Simulation& simulation, const scene::LightBudget&
     throw base::Error(base::Fault::input, fmt::format("budget '{}' has nothing that light could meet (found an empty "
                                                       "scene); add [[plane]], [[terrain]] or [[mesh]]",
                                                       budget.name));
-  for (const std::uint32_t m : scene::used_materials(scene)) {
-    const scene::Material& material = scene.materials[m];
-    if (!material.further.empty())
-      throw base::Error(base::Fault::input,
-                        fmt::format("budget '{}' follows light by shapes that are the same at all wavelengths (found "
-                                    "one of material '{}' that changes); give it one set of numbers",
-                                    budget.name, material.name));
-  }
 }
 
 namespace {

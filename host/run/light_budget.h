@@ -34,8 +34,7 @@ struct BudgetResult {
   const LightShare& of(const std::string& quantity, const std::string& name = "") const;
 };
 
-/// Throws Error(input): a sun that is down, bands where surfaces shine by themselves, an empty scene, shapes that
-/// change with wavelength.
+/// Throws Error(input): a sun that is down, bands where surfaces shine by themselves, an empty scene.
 void check_budget(const scene::Simulation& simulation, const scene::LightBudget& budget);
 
 /// The air is left out of the simulation. facet_files: for the meshes of budget.facets, in their order. Shares are

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "kernels/materials/shapes.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::run {
@@ -27,6 +29,24 @@ double side_height_m(const scene::CompiledScene& scene, const shared::Photon& ph
   for (std::size_t k = 0; k < 2; ++k)
     if (way[k] != 0) nearest = std::min(nearest, (double{way[k] > 0 ? scene.hi[k] : scene.lo[k]} - from[k]) / way[k]);
   return double{photon.origin.z} + nearest * double{photon.way.z};
+}
+
+/// Unit normal of what a photon met, in the scene's frame, on the side that `in` points to.
+RcLocal normal_towards(const scene::CompiledScene& scene, const shared::Photon& photon, const RcLocal& in) {
+  const shared::TriBlock& block = scene.blocks[photon.primitive / RC_BLOCK];
+  const std::uint32_t k = photon.primitive % RC_BLOCK;
+  const shared::Instance& placed = scene.instances[photon.instance];
+  const auto turned = [&](double x, double y, double z) {
+    const auto row = [&](const shared::rc_float4& r) { return double{r.x} * x + double{r.y} * y + double{r.z} * z; };
+    return RcLocal{row(placed.world_from_local_0), row(placed.world_from_local_1), row(placed.world_from_local_2)};
+  };
+  const double x = double{block.v0_x[k]}, y = double{block.v0_y[k]}, z = double{block.v0_z[k]};
+  const RcLocal a = turned(double{block.v1_x[k]} - x, double{block.v1_y[k]} - y, double{block.v1_z[k]} - z),
+                b = turned(double{block.v2_x[k]} - x, double{block.v2_y[k]} - y, double{block.v2_z[k]} - z);
+  RcLocal n{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  const double to = n.x * in.x + n.y * in.y + n.z * in.z,
+               scale = std::copysign(1 / std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z), to);
+  return {scale * n.x, scale * n.y, scale * n.z};
 }
 
 }  // namespace
@@ -62,6 +82,25 @@ void PhotonCount::start(std::size_t count) {
   from_z_m_.assign(count, kEndless_m);
 }
 
+void PhotonCount::set_off(const std::vector<shared::Photon>& photons) {
+  came_.clear();
+  for (const shared::Photon& photon : photons) came_.push_back(photon.way);
+}
+
+const Spectrum& PhotonCount::leaving(const MaterialLight& material, const shared::Photon& photon,
+                                     const shared::rc_float4& came) {
+  if (!scene_.changing || photon.side == RC_FAR_SIDE) return material.leaving(photon.side);
+  const RcLocal in{-double{came.x}, -double{came.y}, -double{came.z}},
+      out{double{photon.way.x}, double{photon.way.y}, double{photon.way.z}},
+      normal = normal_towards(scene_.compiled, photon, in);
+  by_lobes_.assign(scene_.wavelengths, 0.0);
+  for (const LobeLight& lobe : photon.side == RC_NEAR_SIDE ? material.front_lobes : material.gloss_lobes)
+    add_to(by_lobes_,
+           rc_shape_eval(lobe.shape.number, std::numbers::pi, lobe.shape.parameters(), rc_angles(normal, in, out)),
+           lobe.curve);
+  return by_lobes_;
+}
+
 void PhotonCount::step(std::vector<shared::Photon>& photons, bool first) {
   std::size_t kept = 0;
   deposits.clear();
@@ -73,9 +112,9 @@ void PhotonCount::step(std::vector<shared::Photon>& photons, bool first) {
       continue;
     }
     cross(from_z_m_[i], double{photon.met_z}, carried);
-    meet(photon, carried, first);
+    meet(photon, came_[i], carried, first);
     if (photon.survival == 0) continue;
-    go_on(photon, carried);
+    go_on(photon, came_[i], carried);
     from_z_m_[kept] = double{photon.met_z};
     if (kept != i) photons[kept] = photon, std::swap(carried_[kept], carried);
     ++kept;
@@ -103,14 +142,15 @@ void PhotonCount::cross(double from_m, double to_m, const Spectrum& carried) {
   }
 }
 
-void PhotonCount::meet(const shared::Photon& photon, const Spectrum& carried, bool first) {
+void PhotonCount::meet(const shared::Photon& photon, const shared::rc_float4& came, const Spectrum& carried,
+                       bool first) {
   const std::uint32_t surface = scene::surface_of(scene_.compiled, photon.primitive);
   const bool shaped = scene_.shaped[surface];
   kept_.assign(scene_.wavelengths, 0.0);
   scene::for_each_material(scene_.compiled.surfaces[surface], [&](std::size_t number, float share) {
     const MaterialLight& material = scene_.material[number];
     const double fraction = double{share}, factor = double{photon.factor};
-    const Spectrum& leaves = material.leaving(photon.side);
+    const Spectrum& leaves = shaped ? leaving(material, photon, came) : material.reflected;
     Spectrum &arrived = ledger.arrived[material.named], &absorbed = ledger.absorbed[material.named];
     for (std::size_t i = 0; i < scene_.wavelengths; ++i) {
       const double light = fraction * carried[i];
@@ -124,11 +164,11 @@ void PhotonCount::meet(const shared::Photon& photon, const Spectrum& carried, bo
   if (facets_) deposits.push_back({photon.primitive, plan::in_bands(scene_.band, kept_)});
 }
 
-void PhotonCount::go_on(const shared::Photon& photon, Spectrum& carried) {
+void PhotonCount::go_on(const shared::Photon& photon, const shared::rc_float4& came, Spectrum& carried) {
   leaves_.assign(scene_.wavelengths, 0.0);
   scene::for_each_material(scene::matter_of(scene_.compiled, photon.primitive), [&](std::size_t number, float share) {
     const MaterialLight& material = scene_.material[number];
-    add_to(leaves_, double{share}, material.leaving(photon.side));
+    add_to(leaves_, double{share}, leaving(material, photon, came));
   });
   const double factor = double{photon.factor} / double{photon.survival};
   for (std::size_t i = 0; i < carried.size(); ++i) carried[i] *= factor * leaves_[i];

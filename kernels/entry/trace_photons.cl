@@ -1,7 +1,7 @@
 /* Reads: photons, the scene, how its surfaces scatter. Sixteen an item.
  * Writes: what each photon's ray met, where light goes on from there, by which side and in which direction: by the
- * cosine about a side that is chosen by chance, straight on through a plate, mirrored by a gloss. Next: the host counts
- * what is absorbed and launches it again. */
+ * cosine about a side that is chosen by chance, straight on through a plate, mirrored by a gloss. Where shapes change with
+ * wavelength, their forms are left to the host. Next: the host counts what is absorbed and launches it again. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/light/path_ends.h"
@@ -30,13 +30,14 @@ static inline void rc_send_on(global const Lobe* lobes, global const float4* sca
   const float u = rc_photon_draw(seed, number, level, 2u), v = rc_photon_draw(seed, number, level, 3u);
   const float4 normal = rc_lane_of(ends->normal, k), came = photon->way;
   float4 way = rc_way_on(lobes, surface, through, normal, came, u, v, &shaped);
+  if (RC_FURTHER_RECORDS > 0) shaped = 1.0f;
   if (through && rc_is_plate(lobes, surface)) way = came;
 #if RC_GLOSSY
   if (mirrored) {
     const Lobe lobe = rc_gloss_of(lobes, surface);
     way = rc_way_mirrored(lobes, lobe, normal, -came, u, v, &shaped);
     if (shaped > 0.0f)
-      shaped *= rc_gloss_factor(lobes, lobe, normal, way, -came);
+      shaped *= RC_FURTHER_RECORDS > 0 ? 1.0f : rc_gloss_factor(lobes, lobe, normal, way, -came);
     else
       survival = 0.0f; /* into the surface: what is kept is right in the mean */
   }

@@ -427,8 +427,6 @@ def check_refusals(folder):
     tree = '[[mesh]]\nname = "a/b"\nfile = "tree.obj"\nmaterial = "ground"\n[[budget]]'
     (folder / "tree.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     says("the name of a file", "'a/b'", old="[[budget]]", new=tree + '\nfacets = ["a/b"]')
-    says("that changes", "'ground'", old="oren_nayar = { sigma_deg = 40.0 }",
-         new="gloss = { at_nm = [500.0, 800.0], roughness = [0.3, 0.4], f0 = [0.04, 0.1] }")
     night = FLAT.replace("zenith_deg = 40.0", "zenith_deg = 95.0")
     file.write_text(night.replace(patch, patch + 'light = "isotropic"\n'))
     budgets(file, "--name", "patch")["patch"].is_near(1, "transmitted", floor=1e-12)  # an even sky needs no sun

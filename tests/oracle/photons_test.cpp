@@ -8,11 +8,13 @@
 #include <random>
 
 #include "host/plan/bounces.h"
+#include "host/plan/curve.h"
 #include "host/render/photons.h"
 #include "host/run/photon_ledger.h"
 #include "kernels/materials/shapes.h"
 #include "scene_compiler/lobe_albedo.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/spectral_shape.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -51,17 +53,28 @@ struct Followed {
 /// Photons that fall at this angle from the west.
 Followed follow(const scene::CompiledScene& compiled, double zenith_deg, const std::vector<double>& levels_m) {
   const std::vector<float> curves = plan::sampled_curves(compiled, kAt_um);
-  run::PhotonScene scene{compiled, kAt_um.size(), {}, scene::named_count(compiled), {}, {}, levels_m, false};
+  run::PhotonScene scene{compiled, kAt_um.size(), {}, scene::named_count(compiled), {}, {}, levels_m, false, false};
+  scene.changing = scene::most_further(compiled) > 0;
   const auto lobes = scene::surface_lobes(compiled);
+  const std::size_t records = scene::lobe_records(compiled);
   for (std::size_t m = 0; m < compiled.materials.size(); ++m) {
     const scene::Material& material = compiled.materials[m];
     const auto through = material.transmittance.value;
     const double gloss = material.gloss.number == RC_SHAPE_none ? 0 : 1;
-    scene.material.push_back({material.reflectance.value, through.empty() ? run::Spectrum{0, 0} : through,
-                              run::Spectrum{gloss, gloss}, static_cast<std::uint32_t>(m), material.name == "ground"});
+    scene.material.push_back({material.reflectance.value,
+                              through.empty() ? run::Spectrum{0, 0} : through,
+                              run::Spectrum{gloss, gloss},
+                              static_cast<std::uint32_t>(m),
+                              material.name == "ground",
+                              {},
+                              {}});
+    for (const auto& part : scene::front_parts(material))
+      scene.material.back().front_lobes.push_back({part.shape, plan::sample_curve(material, part.curve, kAt_um)});
+    for (const auto& part : scene::gloss_parts(material))
+      scene.material.back().gloss_lobes.push_back({part.shape, plan::sample_curve(material, part.curve, kAt_um)});
   }
   for (std::size_t s = 0; s < compiled.surfaces.size(); ++s)
-    scene.shaped.push_back(lobes[s * RC_LOBES].shape != RC_SHAPE_lambert || lobes[s * RC_LOBES + 1].share > 0);
+    scene.shaped.push_back(lobes[s * records].shape != RC_SHAPE_lambert || lobes[s * records + 1].share > 0);
   render::PhotonTracer tracer(compiled, {}, plan::surface_scattering(compiled, curves, kAt_um.size()));
   std::mt19937 places(7);
   std::uniform_real_distribution<float> within(-50, 50);
@@ -78,6 +91,7 @@ Followed follow(const scene::CompiledScene& compiled, double zenith_deg, const s
     }
     count.start(kPhotons);
     for (std::uint32_t level = 1; level <= 1000 && !photons.empty(); ++level) {
+      count.set_off(photons);
       tracer.step(photons, level, batch + 1);
       count.step(photons, level == 1);
     }
@@ -186,5 +200,32 @@ TEST_CASE("S21 LIGHT 5: rough ground keeps what its shape does not send") {
     using Ledger = const run::PhotonLedger&;
     found.check(albedo, [&](Ledger l) { return l.reflected[i]; });
     found.check(1 - albedo, [&](Ledger l) { return l.absorbed[0][i]; });
+  }
+}
+
+TEST_CASE("S21 LIGHT 5: on a tilted plane of shapes that change with wavelength each wavelength keeps by its own") {
+  const std::vector<scene::ShapeNode> front = {{0.5, {RC_SHAPE_rpv, {0.8, -0.2, 0.5}}},
+                                               {0.8, {RC_SHAPE_rpv, {1.1, 0.1, 1.0}}}};
+  const std::vector<scene::ShapeNode> gloss = {{0.5, {RC_SHAPE_gloss, {0.25, 0.1}}},
+                                               {0.8, {RC_SHAPE_gloss, {0.4, 0.3}}}};
+  scene::CompiledScene scene;
+  const auto soil = test::add_material(scene, "ground", 0);
+  scene::Material& material = scene.materials[0];
+  material.reflectance = curve(0.2, 0.4);
+  material.front = front[0].shape, material.front_nodes = front;
+  material.gloss = gloss[0].shape, material.gloss_nodes = gloss;
+  scene::make_lobes(material);
+  // Rises towards the east by 25 degrees: light that comes down at 60 from the west falls onto it at 35.
+  const double tilt = 25 * std::numbers::pi / 180;
+  test::place(scene, test::rectangle({-5e4 * std::cos(tilt), -5e4, -5e4 * std::sin(tilt)},
+                                     {1e5 * std::cos(tilt), 0, 1e5 * std::sin(tilt)}, {0, 1e5, 0}, soil));
+  scene::finish_top_tree(scene);
+  const Followed found = follow(scene, 60, {});
+  const double zenith = 35 * std::numbers::pi / 180;
+  const RcLocal in{-std::sin(zenith), 0, std::cos(zenith)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double sent =
+        (i == 0 ? 0.2 : 0.4) * scene::lobe_albedo(front[i].shape, in) + scene::lobe_albedo(gloss[i].shape, in);
+    found.check(1 - sent, [&](const run::PhotonLedger& l) { return l.absorbed[0][i]; });
   }
 }
