@@ -42,8 +42,8 @@ void check_budget(const scene::Simulation& simulation, const scene::LightBudget&
 /// followed surface by surface (render::PhotonTracer), 1000 of them at most; what it carries is what a material's
 /// curves leave of it, at every wavelength of the plan's grid, and a band's share is the mean over the band weighed
 /// by response and sunlight. Of what is met 1 - R - T is absorbed; where a surface does not reflect by Lambert's
-/// law, or is glossy, 1 less what goes in the direction that was drawn. Through a plate light goes straight on. In a scene that repeats photons that leave the cell come
-/// in at its other side, at each surface that they meet.
+/// law, or is glossy, 1 less what goes in the direction that was drawn. Through a plate light goes straight on. In a
+/// scene that repeats photons that leave the cell come in at its other side, at each surface that they meet.
 /// Quantities: reflected (the albedo: directional-hemispherical under the sun, bihemispherical under isotropic light),
 /// absorbed and arrived of each material, canopy (absorbed by all but the ground), transmitted and
 /// transmitted_uncollided (light that falls onto the ground; that met nothing before), down and up of each level, lost

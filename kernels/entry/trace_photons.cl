@@ -1,7 +1,7 @@
 /* Reads: photons, the scene, how its surfaces scatter. Sixteen an item.
  * Writes: what each photon's ray met, where light goes on from there, by which side and in which direction: by the
- * cosine about a side that is chosen by chance, straight on through a plate, mirrored by a gloss. Where shapes change with
- * wavelength, their forms are left to the host. Next: the host counts what is absorbed and launches it again. */
+ * cosine about a side that is chosen by chance, straight on through a plate, mirrored by a gloss. Where shapes change
+ * with wavelength, their forms are left to the host. Next: the host counts what is absorbed and launches it again. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/light/path_ends.h"
