@@ -40,6 +40,12 @@ constexpr double m_from_km(double length_km) { return length_km * 1e3; }
 /// Any azimuth difference folded to 0..180 degrees.
 inline double folded_azimuth_deg(double difference_deg) { return std::abs(std::remainder(difference_deg, 360.0)); }
 
+/// Any azimuth turned to 0..360 degrees.
+inline double azimuth_deg_0_to_360(double azimuth_deg) {
+  const double rest = std::fmod(azimuth_deg, 360.0);
+  return rest < 0 ? rest + 360.0 : rest;
+}
+
 /// MODTRAN gives the zenith of the line of sight at the observer (180 = straight down) and the earth-centre angle of
 /// the path. In the plane of both points and the earth's centre the target sees the sensor at 180 - zenith + beta
 /// (refraction left out).

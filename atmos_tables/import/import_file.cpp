@@ -11,6 +11,7 @@
 #include "atmos_tables/import/modtran_chn.h"
 #include "atmos_tables/import/modtran_csv.h"
 #include "atmos_tables/import/modtran_json.h"
+#include "atmos_tables/import/modtran_tape6.h"
 #include "atmos_tables/import/modtran_tape7.h"
 #include "atmos_tables/import/plain_csv.h"
 #include "atmos_tables/import/sixs.h"
@@ -30,6 +31,7 @@ struct Format {
 const Format kFormats[] = {
     {"tape7", [](const std::string& path, const std::string&) { return read_tape7(path); }},
     {"7sc", [](const std::string& path, const std::string&) { return read_tape7(path, "7sc"); }},
+    {"tape6", [](const std::string& path, const std::string&) { return read_tape6(path); }},
     {"chn", [](const std::string& path, const std::string&) { return read_chn(path); }},
     {"json", [](const std::string& path, const std::string&) { return read_modtran_json(path); }},
     {"csv", [](const std::string& path, const std::string&) { return read_modtran_csv(path); }},
@@ -51,6 +53,7 @@ std::string told_apart(const std::string& path, const std::string& uvspec_input)
   if (end == ".csv" && (holds("wavelength [") || holds("wavenumber ["))) return "plain-csv";
   if (end == ".json" || end == ".csv" || end == ".chn") return end.substr(1);
   if (end == ".7sc" || end == ".scn" || name == "tape7.scn") return "7sc";
+  if (end == ".tp6" || name.find("tape6") != std::string::npos) return "tape6";
   if (!uvspec_input.empty()) return "uvspec";
   if (low.find("6s version") != std::string::npos || low.find("6sv version") != std::string::npos) return "6s";
   if (end == ".tp7" || name.find("tape7") != std::string::npos ||
@@ -99,6 +102,9 @@ std::string imported_json(const Imported& imported) {
     put(r["geometry"], "path_length_m", g.path_length_m), put(r["geometry"], "sight_zenith_deg", g.sight_zenith_deg);
     put(r["geometry"], "view_zenith_deg", g.view_zenith_deg), put(r["geometry"], "sun_zenith_deg", g.sun_zenith_deg);
     put(r["geometry"], "relative_azimuth_deg", g.relative_azimuth_deg);
+    put(r["geometry"], "sun_azimuth_deg", g.sun_azimuth_deg), put(r["geometry"], "ground_height_m", g.ground_height_m);
+    if (g.day_of_year) r["geometry"]["day_of_year"] = *g.day_of_year;
+    put(r["geometry"], "earth_sun_factor", g.earth_sun_factor);
     for (const Column& column : run.columns) {
       nlohmann::ordered_json c{{"name", column.name}, {"unit", column.unit}, {"source", column.source}};
       put(c, "height_m", column.place.height_m), put(c, "zenith_deg", column.place.zenith_deg);
@@ -119,9 +125,12 @@ std::string imported_text(const Imported& imported) {
   out << imported.file << ": " << imported.code << ", " << imported.format << ", " << imported.runs.size()
       << (imported.runs.size() == 1 ? " run\n" : " runs\n");
   for (const Run& run : imported.runs) {
-    const auto [least, most] = std::minmax_element(run.wavelength_um.begin(), run.wavelength_um.end());
-    out << run.mode << ": " << run.wavelength_um.size() << " wavelengths, " << *least << " to " << *most
-        << " um (vacuum)\n";
+    out << run.mode;
+    if (!run.wavelength_um.empty()) {
+      const auto [least, most] = std::minmax_element(run.wavelength_um.begin(), run.wavelength_um.end());
+      out << ": " << run.wavelength_um.size() << " wavelengths, " << *least << " to " << *most << " um (vacuum)";
+    }
+    out << "\n";
     const auto say = [&](const char* what, const std::optional<double>& value, const char* unit) {
       if (value) out << "  " << what << " " << *value << " " << unit << "\n";
     };
@@ -130,6 +139,9 @@ std::string imported_text(const Imported& imported) {
         say("line of sight, zenith", run.geometry.sight_zenith_deg, "deg");
     say("view zenith", run.geometry.view_zenith_deg, "deg"), say("sun zenith", run.geometry.sun_zenith_deg, "deg");
     say("relative azimuth", run.geometry.relative_azimuth_deg, "deg");
+    say("sun azimuth", run.geometry.sun_azimuth_deg, "deg"), say("ground height", run.geometry.ground_height_m, "m");
+    if (run.geometry.day_of_year) out << "  day of the year " << *run.geometry.day_of_year << "\n";
+    say("earth-sun factor", run.geometry.earth_sun_factor, "");
     for (const auto& note : run.notes) out << "  note: " << note << "\n";
     for (const Column& column : run.columns) {
       const auto [low, high] = std::minmax_element(column.values.begin(), column.values.end());

@@ -8,7 +8,7 @@
 
 namespace raycube::atmos::imported {
 
-/// The names a user may give: "tape7", "7sc", "chn", "json", "csv", "acd", "acd-binary", "uvspec", "6s",
+/// The names a user may give: "tape7", "7sc", "tape6", "chn", "json", "csv", "acd", "acd-binary", "uvspec", "6s",
 /// "plain-csv".
 const std::vector<std::string>& format_names();
 

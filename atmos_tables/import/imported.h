@@ -37,18 +37,25 @@ struct Geometry {
   std::optional<double> sensor_height_m, path_end_height_m, path_length_m;
   std::optional<double> sight_zenith_deg;  ///< of the line of sight, at the sensor; 180 = straight down
   std::optional<double>
-      view_zenith_deg;                   ///< at the path's lower end, towards the sensor; sights below the horizon only
-  std::optional<double> sun_zenith_deg;  ///< at the sensor
+      view_zenith_deg;  ///< at the path's lower end, towards the sensor; sights below the horizon only
+  /// At the sensor; where a listing or an input tells of a path down, at its end, whose light is computed.
+  std::optional<double> sun_zenith_deg;
   /// Of the sensor seen from the target (sight below the horizon) or of the sky point, minus that of the sun, folded to
   /// 0..180.
   std::optional<double> relative_azimuth_deg;
-  std::optional<double> ground_albedo;  ///< Lambertian, the same at all wavelengths
+  std::optional<double> sun_azimuth_deg;   ///< at the same place, clockwise from north, 0..360
+  std::optional<double> ground_height_m;   ///< where the air ends below, counted as the other heights are
+  std::optional<int> day_of_year;          ///< 1..366
+  std::optional<double> earth_sun_factor;  ///< (mean distance / distance)^2, which the sun above the air holds
+  std::optional<double> ground_albedo;     ///< Lambertian, the same at all wavelengths
 };
 
 /// One computation. Every column has one value per wavelength.
 struct Run {
-  std::string mode;                   ///< "transmittance", "radiance", "direct irradiance", "channels", "fluxes", ...
-  std::vector<double> wavelength_um;  ///< vacuum, strictly ascending; channels stand in the order of their filter file
+  std::string mode;  ///< "transmittance", "radiance", "direct irradiance", "channels", "fluxes", ...
+  /// Vacuum, strictly ascending; channels stand in the order of their filter file. None where a file says what was
+  /// asked for and not what came of it: a .tp6, an input.
+  std::vector<double> wavelength_um;
   std::vector<Column> columns;
   Geometry geometry;
   std::vector<std::string> notes;  ///< what a user should know: columns left out, bands cut short

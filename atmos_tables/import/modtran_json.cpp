@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -60,10 +61,21 @@ std::optional<BandRequest> band_of(const json* input) {
 Geometry geometry_of(const json* input) {
   const json* g = input ? member(*input, "GEOMETRY") : nullptr;
   if (!g) return {};
-  return geometry_from_modtran({number_or(g, "H1ALT", NAN), number_or(g, "H2ALT", NAN), number_or(g, "OBSZEN", NAN),
-                                number_or(g, "HRANGE", NAN), number_or(g, "BETA", NAN),
-                                whole_number(number_or(g, "IPARM", 0), 0, 99).value_or(0), number_or(g, "PARM1", NAN),
-                                number_or(g, "PARM2", NAN)});
+  ModtranPath path{number_or(g, "H1ALT", NAN), number_or(g, "H2ALT", NAN), number_or(g, "OBSZEN", NAN),
+                   number_or(g, "HRANGE", NAN), number_or(g, "BETA", NAN)};
+  path.iparm = whole_number(number_or(g, "IPARM", 0), 0, 99).value_or(0);
+  const char* parm[] = {"PARM1", "PARM2", "PARM3", "PARM4"};
+  for (std::size_t i = 0; i < std::size(parm); ++i) path.parm[i] = number_or(g, parm[i], NAN);
+  path.day_of_year = whole_number(number_or(g, "IDAY", 0), 1, 366).value_or(0);
+  path.time_h = number_or(g, "GMTIME", NAN), path.path_azimuth_deg = number_or(g, "TRUEAZ", NAN);
+  path.ground_km = number_or(member(*input, "SURFACE"), "GNDALT", NAN);
+  // Zeros stand for what was left open: no length, no angle, and of a path down to space an end that is the ground.
+  if (path.range_km == 0) path.range_km = NAN;
+  if (path.beta_deg == 0 && path.observer_zenith_deg != 180) path.beta_deg = NAN;
+  const bool to_space = number_or(g, "ITYPE", 0) == 3;
+  if (path.observer_zenith_deg > 90 && (std::isnan(path.h2_km) || (to_space && path.h2_km == 0)))
+    path.h2_km = path.ground_km;
+  return geometry_from_modtran(path);
 }
 
 /// The number at `place`, or a problem. JSON prints doubles or MODTRAN's floats: 7 digits are what is known of them.
@@ -136,6 +148,27 @@ void read_spectra(const json& spectra, const std::string& place, const std::stri
   runs.push_back(std::move(run));
 }
 
+/// What a case was asked for, where nothing came of it yet. Heights, sun and day serve the outputs that lack them.
+void read_input(const json& input, const std::string& place, const std::string& path, base::Problems& problems,
+                std::vector<Run>& runs) {
+  Run run;
+  run.mode = "input";
+  run.geometry = geometry_of(&input);
+  if (!run.geometry.sensor_height_m || !run.geometry.sight_zenith_deg)
+    problems.add({path, 0, 0, place + ".MODTRANINPUT"}, "the input names no GEOMETRY of H1ALT and OBSZEN", "",
+                 "give the whole input, or the .tp6 of the run");
+  run.notes.push_back("what was asked for, no output: give the .chn, .csv, .acd or JSON output of the run beside it");
+  runs.push_back(std::move(run));
+}
+
+bool is_input(const json& cases) {
+  return std::none_of(cases.begin(), cases.end(), [](const json& one) { return member(one, "MODTRANOUTPUT"); }) &&
+         std::all_of(cases.begin(), cases.end(), [](const json& one) {
+           const json* input = member(one, "MODTRANINPUT");
+           return input && input->is_object();
+         });
+}
+
 }  // namespace
 
 Imported read_modtran_json(const std::string& path) {
@@ -147,13 +180,18 @@ Imported read_modtran_json(const std::string& path) {
     problems.add({path, 0, 0, ""}, "no array MODTRAN of cases", "", "is it a JSON file of MODTRAN 6?");
     problems.throw_if_any();
   }
+  const bool input = is_input(*cases);
   for (std::size_t i = 0; i < cases->size(); ++i) {
     const std::string place = "MODTRAN[" + std::to_string(i) + "]";
+    if (input) {
+      read_input(*member((*cases)[i], "MODTRANINPUT"), place, path, problems, out.runs);
+      continue;
+    }
     const json* output = member((*cases)[i], "MODTRANOUTPUT");
     const json* spectra = output ? member(*output, "SPECTRA") : nullptr;
     if (!spectra || !spectra->is_object() || spectra->empty()) {
       problems.add({path, 0, 0, place}, "no MODTRANOUTPUT.SPECTRA", "",
-                   "this is the input of a run; run MODTRAN with JSON output and import that");
+                   "this case has none, others have; run MODTRAN with JSON output for all");
       continue;
     }
     for (const auto& [kind, values] : spectra->items())

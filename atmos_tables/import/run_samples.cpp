@@ -11,7 +11,9 @@
 
 #include "atmos_tables/import/albedo_runs.h"
 #include "atmos_tables/import/conversions.h"
+#include "atmos_tables/import/sample_book.h"
 #include "atmos_tables/import/text_lines.h"
+#include "atmos_tables/import/told_geometry.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/row_registry.h"
 #include "host/base/units.h"
@@ -20,18 +22,14 @@ namespace raycube::atmos::imported {
 
 namespace {
 
-enum class Role { down, sky, sun, levels, solver, channels, correction, columns, unused };
-
-struct Source {
-  const Imported* file;
-  const Run* run;
-  Role role;
-};
-
 Role role_of(const Imported& file, const Run& run) {
+  if (only_tells(run)) return Role::told;
   if (file.format == "chn") return Role::channels;
   if (file.format == "plain-csv") return Role::columns;
-  if (file.format == "uvspec") return run.mode.rfind("fluxes", 0) == 0 ? Role::solver : Role::unused;
+  if (file.format == "uvspec") {
+    if (run.mode.rfind("thermal", 0) == 0) return Role::emission;
+    return run.mode.rfind("fluxes", 0) == 0 ? Role::solver : Role::unused;
+  }
   if (run.mode == "atmospheric correction data") return Role::correction;
   if (run.mode == "direct irradiance") return Role::sun;
   if (run.find("irradiance_down_diffuse")) return Role::levels;
@@ -42,11 +40,13 @@ Role role_of(const Imported& file, const Run& run) {
 
 class Reader {
  public:
-  Reader(const std::vector<Imported>& files, const TableRequest& request) : request_(request) {
+  Reader(const std::vector<Imported>& files, const TableRequest& request) : book_{request, {}, {}, 0, {}} {
     for (const Imported& file : files)
       for (const Run& run : file.runs) {
         const Role role = role_of(file, run);
-        if (role == Role::unused)
+        if (role == Role::told)
+          continue;  // what it tells stands in the runs it tells of
+        else if (role == Role::unused)
           out_.notices.push_back(
               file.file + ": " + run.mode +
               ": not used; a table takes paths down, skies, sun paths, fluxes, channels and columns");
@@ -54,8 +54,13 @@ class Reader {
           sources_.push_back({&file, &run, role});
       }
     if (sources_.empty())
-      throw base::Error(base::Fault::input, "none of the files holds a run that a render table can be made of");
+      throw base::Error(base::Fault::input,
+                        "none of the files holds a run that a render table can be made of; a listing (.tp6) or an "
+                        "input tells of a run and holds none: give its .chn, .csv, .acd or JSON output with it");
+    place_ground();
     choose_grid();
+    std::stable_partition(sources_.begin(), sources_.end(),
+                          [](const Source& source) { return source.role != Role::emission; });
   }
 
   Samples read() {
@@ -76,7 +81,8 @@ class Reader {
           levels(source);
           break;
         case Role::solver:
-          solver(source);
+        case Role::emission:
+          add_solver_samples(source, book_);
           break;
         case Role::channels:
           channels(source, albedo_at);
@@ -87,6 +93,7 @@ class Reader {
         case Role::columns:
           columns(source);
           break;
+        case Role::told:
         case Role::unused:
           break;
       }
@@ -108,6 +115,20 @@ class Reader {
     Sample place;
   };
 
+  /// z = 0: as asked for, else the ground of the runs that say where it is, else the level heights are counted from.
+  void place_ground() {
+    std::optional<double> told;
+    for (const Source& source : sources_)
+      book_.agree(told, source.run->geometry.ground_height_m, 0.5, "the ground's height", source);
+    book_.ground_m = request_.ground_height_m.value_or(told.value_or(0));
+    if (request_.ground_height_m && told && std::abs(*told - *request_.ground_height_m) > 0.5)
+      out_.notices.push_back("z = 0 at " + shown(book_.ground_m) + " m as asked for; the ground of the runs is at " +
+                             shown(*told) + " m");
+    else if (!request_.ground_height_m && book_.ground_m != 0)
+      out_.notices.push_back("z = 0 is the ground of the runs, " + shown(book_.ground_m) +
+                             " m above the level they count heights from; --ground-height says otherwise");
+  }
+
   void choose_grid() {
     const Source* lead = &sources_.front();
     double first = 0, last = 1e9;
@@ -118,7 +139,7 @@ class Reader {
       const bool lead_leads = lead->role == Role::down || lead->role == Role::channels || lead->role == Role::solver;
       if (leads && !lead_leads) lead = &source;
     }
-    out_.wavelength_um = sorted(*lead->run, lead->run->wavelength_um);
+    out_.wavelength_um = book_.sorted(*lead->run, lead->run->wavelength_um);
     auto& grid = out_.wavelength_um;
     // Wavenumbers printed to two decimals are one wavelength to 1e-6 of it.
     const auto outside = [&](double l) { return l < first * (1 - 1e-6) || l > last * (1 + 1e-6); };
@@ -129,51 +150,6 @@ class Reader {
     if (grid.size() < all)
       out_.notices.push_back(std::to_string(all - grid.size()) + " wavelengths of " + lead->file->file +
                              " left out: other runs do not cover them");
-  }
-
-  /// Values in ascending order of wavelength: channels stand as in their filter file.
-  Spectrum sorted(const Run& run, const Spectrum& values) {
-    std::vector<std::size_t> order(run.wavelength_um.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return run.wavelength_um[a] < run.wavelength_um[b]; });
-    Spectrum out;
-    for (const std::size_t i : order) out.push_back(values[i]);
-    return out;
-  }
-
-  Spectrum on_grid(const Run& run, const Spectrum& values) {
-    const Spectrum from = sorted(run, run.wavelength_um), y = sorted(run, values);
-    if (from.size() == 1) return Spectrum(out_.wavelength_um.size(), y[0]);
-    Spectrum to = out_.wavelength_um;
-    for (double& l : to) l = std::clamp(l, from.front(), from.back());
-    return resample_linear(from, y, to);
-  }
-  Spectrum on_grid(const Run& run, const Column& column) { return on_grid(run, column.values); }
-  /// Empty where the run has no such column.
-  Spectrum optional(const Run& run, const std::string& name) {
-    const Column* column = run.find(name);
-    return column ? on_grid(run, *column) : Spectrum{};
-  }
-
-  void add(const std::string& row, const Sample& place, Spectrum values) {
-    if (values.empty()) return;
-    Sample sample = place;
-    sample.row = row, sample.values = std::move(values);
-    out_.all.push_back(std::move(sample));
-  }
-
-  void agree(std::optional<double>& standing, std::optional<double> found, double tolerance, const char* what,
-             const Source& source) {
-    if (!found) return;
-    if (standing && std::abs(*standing - *found) > tolerance)
-      problems_.add({source.file->file, 0, 0, source.run->mode}, std::string(what) + " is not that of the runs before",
-                    shown(*found) + " after " + shown(*standing), "make one table per sun and sensor");
-    if (!standing) standing = found;
-  }
-
-  double ground(std::optional<double> height) const {
-    return height.value_or(request_.ground_height_m) - request_.ground_height_m;
   }
 
   double albedo_of(const Source& source, std::size_t& at) {
@@ -189,11 +165,9 @@ class Reader {
   void down(const Source& source, std::size_t& albedo_at,
             std::map<std::tuple<double, double, double>, std::vector<Seen>>& paths) {
     const Geometry& g = source.run->geometry;
-    if (g.sensor_height_m)
-      agree(out_.sensor_height_m, *g.sensor_height_m - request_.ground_height_m, 0.5, "the sensor's height", source);
-    agree(out_.sun_zenith_deg, g.sun_zenith_deg, 0.05, "the sun's zenith", source);
+    book_.sun_and_sensor(source);
     Sample place;
-    place.height_m = ground(g.path_end_height_m);
+    place.height_m = book_.ground(g.path_end_height_m);
     place.zenith_deg = g.view_zenith_deg.value_or(180 - *g.sight_zenith_deg);
     if (*place.zenith_deg > 0.01) place.azimuth_deg = g.relative_azimuth_deg;
     paths[{*place.height_m, *place.zenith_deg, place.azimuth_deg.value_or(0)}].push_back(
@@ -207,17 +181,17 @@ class Reader {
     const Sample& place = runs.front().place;
     Sample no_azimuth = place, at_height = place;
     no_azimuth.azimuth_deg.reset(), at_height.azimuth_deg.reset(), at_height.zenith_deg.reset();
-    const Spectrum t = optional(first, "transmittance");
-    add("view_transmission", no_azimuth, t);
-    add("solar_irradiance", {}, optional(first, "solar_irradiance"));
-    Spectrum two_way = optional(first, "solar_irradiance_sun_ground_sensor");
-    const Spectrum above = optional(first, "solar_irradiance");
+    const Spectrum t = book_.optional(first, "transmittance");
+    book_.add("view_transmission", no_azimuth, t);
+    book_.add("solar_irradiance", {}, book_.optional(first, "solar_irradiance"));
+    Spectrum two_way = book_.optional(first, "solar_irradiance_sun_ground_sensor");
+    const Spectrum above = book_.optional(first, "solar_irradiance");
     if (!two_way.empty() && !above.empty()) {
       for (std::size_t i = 0; i < two_way.size(); ++i) two_way[i] = above[i] > 0 ? two_way[i] / above[i] : 0;
-      add(kTwoWay, no_azimuth, std::move(two_way));
+      book_.add(kTwoWay, no_azimuth, std::move(two_way));
     }
-    add("path_radiance_solar", place, optional(first, "path_radiance_solar"));
-    add("path_radiance_thermal", no_azimuth, optional(first, "path_radiance_thermal"));
+    book_.add("path_radiance_solar", place, book_.optional(first, "path_radiance_solar"));
+    book_.add("path_radiance_thermal", no_azimuth, book_.optional(first, "path_radiance_thermal"));
     const std::string name = runs.front().source->file->file;
     if (runs.front().albedo > 0)
       out_.notices.push_back(name + ": the path's sunlight was computed over ground of albedo " +
@@ -226,15 +200,15 @@ class Reader {
     for (const Seen& seen : runs)
       if (seen.albedo > 0 && (bright.empty() || seen.albedo > bright.back()->albedo + 1e-6)) bright.push_back(&seen);
     const auto seen_light = [&](const Seen& seen) {  // sunlight alone: what the ground emits is not the air's
-      Spectrum light = optional(*seen.source->run, "path_radiance_solar");
-      const Spectrum reflected = optional(*seen.source->run, "ground_reflected");
+      Spectrum light = book_.optional(*seen.source->run, "path_radiance_solar");
+      const Spectrum reflected = book_.optional(*seen.source->run, "ground_reflected");
       for (std::size_t i = 0; i < light.size() && i < reflected.size(); ++i) light[i] += reflected[i];
       return light;
     };
     if (runs.front().albedo == 0 && bright.size() >= 2) {
       const Seen &low = *bright.front(), &high = *bright.back();
       const Spectrum l0 = seen_light(runs.front()), l1 = seen_light(low), l2 = seen_light(high),
-                     reflected = optional(*high.source->run, "ground_reflected");
+                     reflected = book_.optional(*high.source->run, "ground_reflected");
       if (l0.empty() || reflected.empty()) return;
       Spectrum s, t_dif, total;
       for (std::size_t i = 0; i < l0.size(); ++i) {
@@ -244,16 +218,16 @@ class Reader {
         t_dif.push_back(a > 0 ? std::clamp(t[i] * (c.coefficient - a) / a, 0.0, 1.0) : 0);
         total.push_back(t[i] > 0 ? base::kPi * a / t[i] : 0);
       }
-      add("spherical_albedo", at_height, std::move(s));
-      add("diffuse_view_transmission", no_azimuth, std::move(t_dif));
-      add(kTotalIrradiance, at_height, std::move(total));
+      book_.add("spherical_albedo", at_height, std::move(s));
+      book_.add("diffuse_view_transmission", no_azimuth, std::move(t_dif));
+      book_.add(kTotalIrradiance, at_height, std::move(total));
     } else if (!bright.empty()) {
       const Seen& seen = *bright.front();
-      const Spectrum reflected = optional(*seen.source->run, "ground_reflected");
+      const Spectrum reflected = book_.optional(*seen.source->run, "ground_reflected");
       Spectrum total;
       for (std::size_t i = 0; i < reflected.size(); ++i)
         total.push_back(t[i] > 0 ? base::kPi * reflected[i] / (seen.albedo * t[i]) : 0);
-      add(kTotalIrradiance, at_height, std::move(total));
+      book_.add(kTotalIrradiance, at_height, std::move(total));
       out_.notices.push_back(name + ": diffuse irradiance is that over ground of albedo " + shown(seen.albedo) +
                              "; three runs of albedo 0, r1 and r2 would separate ground and air");
     }
@@ -261,24 +235,25 @@ class Reader {
 
   void sky(const Source& source) {
     const Geometry& g = source.run->geometry;
-    agree(out_.sun_zenith_deg, g.sun_zenith_deg, 0.05, "the sun's zenith", source);
+    book_.agree(out_.sun_zenith_deg, g.sun_zenith_deg, 0.05, "the sun's zenith", source);
     Sample place;
-    place.height_m = ground(g.sensor_height_m);
+    place.height_m = book_.ground(g.sensor_height_m);
     place.zenith_deg = *g.sight_zenith_deg;
     Sample no_azimuth = place;
     if (*place.zenith_deg > 0.01) place.azimuth_deg = g.relative_azimuth_deg;
-    add("sky_radiance_solar", place, optional(*source.run, "path_radiance_solar"));
-    add("sky_radiance_thermal", no_azimuth, optional(*source.run, "path_radiance_thermal"));
-    add("solar_irradiance", {}, optional(*source.run, "solar_irradiance"));
+    book_.add("sky_radiance_solar", place, book_.optional(*source.run, "path_radiance_solar"));
+    book_.add("sky_radiance_thermal", no_azimuth, book_.optional(*source.run, "path_radiance_thermal"));
+    book_.add("solar_irradiance", {}, book_.optional(*source.run, "solar_irradiance"));
   }
 
   void sun(const Source& source) {
     const Geometry& g = source.run->geometry;
-    agree(out_.sun_zenith_deg, g.sight_zenith_deg, 0.05, "the sun's zenith", source);  // the sight is towards the sun
+    book_.agree(out_.sun_zenith_deg, g.sight_zenith_deg, 0.05, "the sun's zenith",
+                source);  // the sight is towards the sun
     Sample place;
-    place.height_m = ground(g.sensor_height_m);
-    add("sun_transmission", place, optional(*source.run, "transmittance"));
-    add("solar_irradiance", {}, optional(*source.run, "solar_irradiance"));
+    place.height_m = book_.ground(g.sensor_height_m);
+    book_.add("sun_transmission", place, book_.optional(*source.run, "transmittance"));
+    book_.add("solar_irradiance", {}, book_.optional(*source.run, "solar_irradiance"));
   }
 
   void levels(const Source& source) {
@@ -286,145 +261,65 @@ class Reader {
       const bool direct = column.name == "irradiance_down_direct";
       if ((!direct && column.name != "irradiance_down_diffuse") || !column.place.height_m) continue;
       Sample place;
-      place.height_m = ground(column.place.height_m);
+      place.height_m = book_.ground(column.place.height_m);
       if (out_.sensor_height_m && *place.height_m > *out_.sensor_height_m + 0.5) continue;
-      add(direct ? "direct_irradiance" : "diffuse_irradiance", place, on_grid(*source.run, column));
+      book_.add(direct ? "direct_irradiance" : "diffuse_irradiance", place, book_.on_grid(*source.run, column));
     }
+  }
+
+  /// Of a run whose geometry only a listing or an input tells, if any: the path's end; with zenith; with azimuth.
+  std::tuple<Sample, Sample, Sample> told_places(const Geometry& g) const {
+    Sample at_height;
+    if (g.path_end_height_m) at_height.height_m = book_.ground(g.path_end_height_m);
+    Sample no_azimuth = at_height;
+    no_azimuth.zenith_deg = g.view_zenith_deg;
+    Sample place = no_azimuth;
+    if (place.zenith_deg.value_or(0) > 0.01) place.azimuth_deg = g.relative_azimuth_deg;
+    return {at_height, no_azimuth, place};
   }
 
   void channels(const Source& source, std::size_t& albedo_at) {
     const Run& run = *source.run;
     const double r = albedo_of(source, albedo_at);
-    const Spectrum t = on_grid(run, run.at("transmittance")), a = on_grid(run, run.at("coefficient_a")),
-                   b = on_grid(run, run.at("coefficient_b")), s = on_grid(run, run.at("spherical_albedo")),
-                   above = on_grid(run, run.at(kIrradianceCosOverPi));
-    Spectrum path = on_grid(run, run.at("path_radiance_solar")), t_dif, total;
+    const Spectrum t = book_.on_grid(run, run.at("transmittance")), a = book_.on_grid(run, run.at("coefficient_a")),
+                   b = book_.on_grid(run, run.at("coefficient_b")), s = book_.on_grid(run, run.at("spherical_albedo")),
+                   above = book_.on_grid(run, run.at(kIrradianceCosOverPi));
+    Spectrum path = book_.on_grid(run, run.at("path_radiance_solar")), t_dif, total;
     for (std::size_t i = 0; i < t.size(); ++i) {
       path[i] = std::max(0.0, path[i] - r * b[i] * above[i] / (1 - r * s[i]));
       t_dif.push_back(a[i] > 0 ? std::clamp(t[i] * b[i] / a[i], 0.0, 1.0) : 0);
       total.push_back(t[i] > 0 ? base::kPi * a[i] * above[i] / t[i] : 0);
     }
-    add("view_transmission", {}, t);
-    add("path_radiance_solar", {}, std::move(path));
-    add("path_radiance_thermal", {}, optional(run, "path_radiance_thermal"));
-    add("spherical_albedo", {}, s);
-    add("diffuse_view_transmission", {}, std::move(t_dif));
-    add(kTotalIrradiance, {}, std::move(total));
-    Spectrum two_way = on_grid(run, run.at("solar_irradiance_sun_ground_sensor"));
-    add(kIrradianceCosOverPi, {}, above);
-    add("solar_irradiance_sun_ground_sensor", {}, std::move(two_way));
+    book_.sun_and_sensor(source);
+    const auto [at_height, no_azimuth, place] = told_places(run.geometry);
+    book_.add("view_transmission", no_azimuth, t);
+    book_.add("path_radiance_solar", place, std::move(path));
+    book_.add("path_radiance_thermal", no_azimuth, book_.optional(run, "path_radiance_thermal"));
+    book_.add("spherical_albedo", at_height, s);
+    book_.add("diffuse_view_transmission", no_azimuth, std::move(t_dif));
+    book_.add(kTotalIrradiance, at_height, std::move(total));
+    Spectrum two_way = book_.on_grid(run, run.at("solar_irradiance_sun_ground_sensor"));
+    book_.add(kIrradianceCosOverPi, {}, above);
+    book_.add("solar_irradiance_sun_ground_sensor", no_azimuth, std::move(two_way));
   }
 
   void correction(const Source& source) {
     const auto sum_over_k = [&](const char* name) -> Spectrum {
       for (const Column& column : source.run->columns)
-        if (column.name == name && !column.place.k) return on_grid(*source.run, column);
+        if (column.name == name && !column.place.k) return book_.on_grid(*source.run, column);
       return {};
     };
-    add("view_transmission", {}, sum_over_k("ground_sensor_transmittance_direct"));
-    add(kTwoWay, {}, sum_over_k("sun_ground_sensor_transmittance_direct"));
-    add("diffuse_view_transmission", {}, sum_over_k("ground_sensor_transmittance_diffuse"));
-    add("spherical_albedo", {}, sum_over_k("spherical_albedo"));
-    add(kSunGroundDiffuse, {}, sum_over_k(kSunGroundDiffuse));
+    book_.sun_and_sensor(source);
+    const auto [at_height, no_azimuth, place] = told_places(source.run->geometry);
+    book_.add("view_transmission", no_azimuth, sum_over_k("ground_sensor_transmittance_direct"));
+    book_.add(kTwoWay, no_azimuth, sum_over_k("sun_ground_sensor_transmittance_direct"));
+    book_.add("diffuse_view_transmission", no_azimuth, sum_over_k("ground_sensor_transmittance_diffuse"));
+    book_.add("spherical_albedo", at_height, sum_over_k("spherical_albedo"));
+    book_.add(kSunGroundDiffuse, at_height, sum_over_k(kSunGroundDiffuse));
     if (source.run->find("k_weight") && source.run->find("k_weight")->place.k)
       out_.notices.push_back(source.file->file +
                              ": k-terms summed with their weights; the direct light from sun to sensor is summed as "
                              "the product of each term");
-  }
-
-  /// uvspec: levels by zout. Transmissions from the direct beam at two levels, which is Beer's law along another slant.
-  void solver(const Source& source) {
-    const Run& run = *source.run;
-    const auto same = [](const Place& a, const Place& b) {
-      return a.top_of_air == b.top_of_air && a.height_m == b.height_m;
-    };
-    std::vector<Place> places;
-    for (const Column& column : run.columns)
-      if (column.name == "irradiance_down_direct") places.push_back(column.place);
-    std::sort(places.begin(), places.end(),
-              [](const Place& a, const Place& b) { return a.height_m.value_or(1e9) < b.height_m.value_or(1e9); });
-    agree(out_.sun_zenith_deg, run.geometry.sun_zenith_deg, 0.05, "the sun's zenith", source);
-    if (places.empty() || !run.geometry.sun_zenith_deg) {
-      problems_.add({source.file->file, 0, 0, ""}, "a uvspec run needs sza and the column edir to become a table", "",
-                    "ask for output_user lambda edir edn uu");
-      return;
-    }
-    const double mu0 = std::cos(base::rad_from_deg(*run.geometry.sun_zenith_deg));
-    const auto column_at = [&](const std::string& name, const Place& level, double zenith, double azimuth) -> Spectrum {
-      for (const Column& c : run.columns)
-        if (c.name == name && same(c.place, level) && std::abs(c.place.zenith_deg.value_or(zenith) - zenith) < 1e-6 &&
-            std::abs(c.place.relative_azimuth_deg.value_or(azimuth) - azimuth) < 1e-6)
-          return on_grid(run, c);
-      return {};
-    };
-    const Place& top = places.back();
-    const Spectrum beam_top = column_at("irradiance_down_direct", top, 0, 0);
-    if (top.top_of_air) {
-      Spectrum e0 = beam_top;
-      for (double& e : e0) e /= mu0;
-      add("solar_irradiance", {}, std::move(e0));
-    }
-    // The sensor's level: the one asked for, else the highest with a height, else the top of the air.
-    const Place* sensor = nullptr;
-    for (const Place& level : places)
-      if (level.height_m && (!request_.sensor_height_m ||
-                             std::abs(*level.height_m - request_.ground_height_m - *request_.sensor_height_m) < 0.5))
-        sensor = &level;
-    if ((!sensor || sensor == &places.front()) && top.top_of_air) sensor = &top;
-    if (!sensor || sensor == &places.front()) {
-      problems_.add({source.file->file, 0, 0, ""}, "no level of zout is the sensor's",
-                    request_.sensor_height_m ? shown(*request_.sensor_height_m) + " m" : "",
-                    "run uvspec with zout at ground, sensor and TOA");
-      return;
-    }
-    if (sensor->height_m)
-      agree(out_.sensor_height_m, *sensor->height_m - request_.ground_height_m, 0.5, "the sensor's height", source);
-    const Spectrum beam_sensor = column_at("irradiance_down_direct", *sensor, 0, 0);
-    std::set<std::pair<double, double>> up;
-    for (const Column& c : run.columns)
-      if (c.name == "radiance_upward" && same(c.place, *sensor))
-        up.insert({*c.place.zenith_deg, c.place.relative_azimuth_deg.value_or(0)});
-    for (const Place& level : places) {
-      if (&level == sensor) break;
-      const Spectrum beam = column_at("irradiance_down_direct", level, 0, 0);
-      Sample at_height;
-      at_height.height_m = ground(level.height_m);
-      add("direct_irradiance", at_height, beam);
-      add("diffuse_irradiance", at_height, column_at("irradiance_down_diffuse", level, 0, 0));
-      const auto ratio = [&](const Spectrum& over, double power) {
-        Spectrum out;
-        for (std::size_t i = 0; i < beam.size(); ++i)
-          out.push_back(over[i] > 0 ? std::pow(std::min(1.0, beam[i] / over[i]), power) : 0);
-        return out;
-      };
-      if (top.top_of_air) add("sun_transmission", at_height, ratio(beam_top, 1));
-      for (const Column& c : run.columns)
-        if (c.name == "radiance_downward" && same(c.place, level)) {
-          Sample place = at_height;
-          place.zenith_deg = c.place.zenith_deg;
-          if (*place.zenith_deg > 0.01) place.azimuth_deg = c.place.relative_azimuth_deg;
-          add("sky_radiance_solar", place, on_grid(run, c));
-        }
-      for (const auto& [zenith, azimuth] : up) {
-        Sample place = at_height;
-        place.zenith_deg = zenith;
-        const Spectrum t = ratio(beam_sensor, mu0 / std::cos(base::rad_from_deg(zenith)));
-        add("view_transmission", place, t);
-        if (zenith > 0.01) place.azimuth_deg = azimuth;
-        const Spectrum at_sensor = column_at("radiance_upward", *sensor, zenith, azimuth),
-                       at_target = column_at("radiance_upward", level, zenith, azimuth);
-        Spectrum path;
-        for (std::size_t i = 0; i < at_sensor.size() && i < at_target.size(); ++i)
-          path.push_back(std::max(0.0, at_sensor[i] - t[i] * at_target[i]));
-        add("path_radiance_solar", place, std::move(path));
-      }
-    }
-    out_.notices.push_back(source.file->file +
-                           ": view transmission is that of the direct beam between the levels, exp((mu0/mu) "
-                           "ln(edir(target)/edir(sensor)))");
-    if (run.geometry.ground_albedo.value_or(0) > 0)
-      out_.notices.push_back(source.file->file + ": computed over ground of albedo " +
-                             shown(*run.geometry.ground_albedo) + "; path, sky and irradiance hold its light");
   }
 
   /// Plain columns named as rows, with the place behind the name: sky_radiance_solar_z30_a90, view_transmission_h0_z20.
@@ -453,15 +348,16 @@ class Reader {
         problems_.add({source.file->file, 0, 0, column.name}, std::string("the unit must be ") + row->unit, column.unit,
                       "convert the column");
       } else {
-        add(name, place, on_grid(*source.run, column));
+        book_.add(name, place, book_.on_grid(*source.run, column));
       }
     }
   }
 
-  const TableRequest& request_;
+  SampleBook book_;
+  const TableRequest& request_ = book_.request;
+  Samples& out_ = book_.out;
+  base::Problems& problems_ = book_.problems;
   std::vector<Source> sources_;
-  Samples out_;
-  base::Problems problems_;
 };
 
 }  // namespace

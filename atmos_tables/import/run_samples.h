@@ -26,7 +26,8 @@ inline constexpr const char *kTwoWay = "two_way_transmission", *kTotalIrradiance
 struct Samples {
   Spectrum wavelength_um;
   std::vector<Sample> all;
-  std::optional<double> sun_zenith_deg, sensor_height_m;
+  std::optional<double> sun_zenith_deg, sun_azimuth_deg, sensor_height_m, earth_sun_factor;
+  std::optional<int> day_of_year;
   std::vector<std::string> notices;
 };
 

@@ -79,18 +79,32 @@ class Maker {
   }
   void note(const std::string& text) { s_.notices.push_back(text); }
 
+  /// What was asked for goes before what the runs say; a difference is noted.
+  std::optional<double> asked_or_said(const std::optional<double>& asked, const std::optional<double>& said,
+                                      double within, const std::string& what, const std::string& unit) {
+    if (asked && said && std::abs(*asked - *said) > within)
+      note(what + " " + shown(*asked) + " " + unit + " as asked for; the runs say " + shown(*said) + " " + unit);
+    return asked ? asked : said;
+  }
+
   void sun_and_sensor() {
     const bool solar =
         has("path_radiance_solar") || has("sun_transmission") || has("solar_irradiance") || has(kIrradianceCosOverPi);
-    if (request_.sun_zenith_deg && s_.sun_zenith_deg && std::abs(*request_.sun_zenith_deg - *s_.sun_zenith_deg) > 0.05)
-      note("sun zenith " + shown(*request_.sun_zenith_deg) + " deg as asked for; the runs say " +
-           shown(*s_.sun_zenith_deg) + " deg");
-    const auto zenith = request_.sun_zenith_deg ? request_.sun_zenith_deg : s_.sun_zenith_deg;
-    if (solar && !zenith) missing_.emplace_back("the sun's zenith: these files do not name it", "give --sun-zenith");
-    table_.sun_zenith_deg = zenith.value_or(0), table_.sun_azimuth_deg = request_.sun_azimuth_deg;
-    const auto sensor = request_.sensor_height_m ? request_.sensor_height_m : s_.sensor_height_m;
-    if (!sensor) missing_.emplace_back("the sensor's height: these files do not name it", "give --sensor-height");
+    const auto zenith = asked_or_said(request_.sun_zenith_deg, s_.sun_zenith_deg, 0.05, "sun zenith", "deg");
+    if (solar && !zenith)
+      missing_.emplace_back("the sun's zenith: these files do not name it",
+                            "give --sun-zenith, or the run's listing (.tp6) or input JSON");
+    table_.sun_zenith_deg = zenith.value_or(0);
+    table_.sun_azimuth_deg =
+        asked_or_said(request_.sun_azimuth_deg, s_.sun_azimuth_deg, 0.05, "sun azimuth", "deg").value_or(0);
+    const auto sensor = asked_or_said(request_.sensor_height_m, s_.sensor_height_m, 0.5, "sensor height", "m");
+    if (!sensor)
+      missing_.emplace_back("the sensor's height: these files do not name it",
+                            "give --sensor-height, or the run's listing (.tp6) or input JSON");
     table_.sensor_height_m = sensor.value_or(0);
+    if (s_.day_of_year)
+      note("the sun above the air is that of day " + std::to_string(*s_.day_of_year) + " of the year" +
+           (s_.earth_sun_factor ? ", " + shown(*s_.earth_sun_factor) + " times that at the mean distance" : ""));
     mu0_ = std::cos(base::rad_from_deg(table_.sun_zenith_deg));
     if (solar && zenith && !(mu0_ > 0))
       missing_.emplace_back("a sun above the horizon", "give the runs of a day, or a range beyond 5 um");

@@ -12,10 +12,9 @@ namespace raycube::atmos::imported {
 
 /// What files do not say, or say otherwise.
 struct TableRequest {
-  std::optional<double> sun_zenith_deg;
-  double sun_azimuth_deg = 0;
+  std::optional<double> sun_zenith_deg, sun_azimuth_deg;
   std::optional<double> sensor_height_m;  ///< above z = 0
-  double ground_height_m = 0;             ///< z = 0 above the level the files count heights from
+  std::optional<double> ground_height_m;  ///< z = 0 above the level the files count heights from
   std::vector<double>
       albedo;             ///< of the ground, per run that looks down, in the order of files; empty: as the runs say
   bool even_sky = false;  ///< where no sky was computed: diffuse irradiance / pi in every direction

@@ -1,7 +1,9 @@
 // Text of other codes: lines, fields and numbers as Fortran writes them.
 #pragma once
 
+#include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -17,6 +19,11 @@ namespace raycube::atmos::imported {
 std::vector<std::string> read_lines(const std::string& path);
 /// The file's bytes.
 std::string read_bytes(const std::string& path);
+
+/// Whether `word` is one of `words`.
+inline bool one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
 
 std::string_view trimmed(std::string_view text);
 std::vector<std::string_view> split_blanks(std::string_view line);

@@ -12,10 +12,6 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-bool one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 class InputReader {
  public:
   explicit InputReader(const std::string& path) { in_.file = path; }

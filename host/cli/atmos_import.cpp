@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <ostream>
 
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "atmos_tables/import/import_file.h"
 #include "atmos_tables/import/table_of_runs.h"
 #include "atmos_tables/import/text_lines.h"
+#include "atmos_tables/import/told_geometry.h"
 #include "atmos_tables/rct_file.h"
 #include "host/base/error.h"
 #include "host/cli/verb.h"
@@ -21,7 +23,7 @@ namespace {
 struct ImportRequest {
   std::vector<std::string> files;
   std::string format = "auto", uvspec_input, albedo;
-  double sun_zenith = kUnset, sun_azimuth = 0, sensor = kUnset, ground = 0;
+  double sun_zenith = kUnset, sun_azimuth = kUnset, sensor = kUnset, ground = kUnset;
   bool even_sky = false, partial = false;
 };
 
@@ -40,9 +42,9 @@ std::vector<double> albedos(const std::string& typed) {
 
 int write_table(const ImportRequest& o, const std::vector<atmos::imported::Imported>& files, Invocation& invocation) {
   atmos::imported::TableRequest request;
-  if (!std::isnan(o.sun_zenith)) request.sun_zenith_deg = o.sun_zenith;
-  if (!std::isnan(o.sensor)) request.sensor_height_m = o.sensor;
-  request.sun_azimuth_deg = o.sun_azimuth, request.ground_height_m = o.ground;
+  const auto asked = [](double value) { return std::isnan(value) ? std::nullopt : std::optional<double>(value); };
+  request.sun_zenith_deg = asked(o.sun_zenith), request.sun_azimuth_deg = asked(o.sun_azimuth);
+  request.sensor_height_m = asked(o.sensor), request.ground_height_m = asked(o.ground);
   if (!o.albedo.empty()) request.albedo = albedos(o.albedo);
   request.even_sky = o.even_sky, request.partial = o.partial;
   const auto made = atmos::imported::table_of_runs(files, request);
@@ -63,6 +65,7 @@ int run(const ImportRequest& o, Invocation& invocation) {
   std::vector<atmos::imported::Imported> files;
   for (const auto& file : o.files)
     files.push_back(atmos::imported::import_file(file, o.format == "auto" ? "" : o.format, o.uvspec_input));
+  atmos::imported::tell_geometry(files);
   if (!invocation.common.output.empty()) return write_table(o, files, invocation);
   // One document: of one file as it is, of several a list.
   if (invocation.common.json && files.size() > 1) {
@@ -90,10 +93,13 @@ Verb verb_atmos_import() {
       "radiance, runs that "
       "look up give the sky, runs over several albedos or the columns A, B and S of a .chn give the light between "
       "ground and air. "
+      "The listing (.tp6) or input JSON of a MODTRAN run, given or beside it under its name, tells sun, heights and "
+      "day. "
       "What a render needs and the runs lack is listed; directions must form full grids, and one direction alone "
       "serves what is near it: renders that look elsewhere are warned or refused.";
   verb.examples = {"raycube atmos import tape7", "raycube atmos import uvspec.out --uvspec-input uvspec.inp --json",
                    "raycube atmos import down.tp7 sky.tp7 -o flight.rct",
+                   "raycube atmos import run.chn run.tp6 --even-sky -o flight.rct",
                    "raycube atmos import run.chn --sun-zenith 52 --sensor-height 2000 --even-sky -o flight.rct"};
   verb.common = kOutput;
   verb.output_default = "FILEs are described, no table is made";
@@ -106,10 +112,12 @@ Verb verb_atmos_import() {
     table.text("--uvspec-input", "FILE", "Input file of a uvspec run", o->uvspec_input).default_text =
         "FILE with the ending .inp";
     table.number("--sun-zenith", "deg", 0, 180, "Table: sun zenith angle", o->sun_zenith).default_text = "the runs'";
-    table.number("--sun-azimuth", "deg", -360, 360, "Table: sun azimuth, clockwise from north", o->sun_azimuth);
+    table.number("--sun-azimuth", "deg", -360, 360, "Table: sun azimuth, clockwise from north", o->sun_azimuth)
+        .default_text = "the runs', else 0";
     table.number("--sensor-height", "m", -1000, 1e9, "Table: sensor height above z = 0", o->sensor).default_text =
         "the runs'";
-    table.number("--ground-height", "m", -1000, 1e5, "Table: height of z = 0 in the runs' heights", o->ground);
+    table.number("--ground-height", "m", -1000, 1e5, "Table: height of z = 0 in the runs' heights", o->ground)
+        .default_text = "the runs' ground, else 0";
     table.text("--albedo", "LIST", "Table: ground albedo of each run that looks down, as 0,0.3,0.8", o->albedo)
         .default_text = "1 - the runs' emissivity";
     table.flag("--even-sky", "Table: where no sky was computed, spread the diffuse irradiance evenly over it",

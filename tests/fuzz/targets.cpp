@@ -181,6 +181,7 @@ void uvspec_input(const std::string& path) {
 #define RC_FORMAT(function, text) \
   const char* function() { return text; }
 RC_FORMAT(tape7, "tape7")
+RC_FORMAT(tape6, "tape6")
 RC_FORMAT(chn, "chn")
 RC_FORMAT(json, "json")
 RC_FORMAT(csv, "csv")
@@ -211,6 +212,7 @@ constexpr Target kTargets[] = {
     {"partition_sums", "in.csv", partition_sums},
     {"cross_section", "in.csv", cross_section},
     {"import_tape7", "in.tp7", import <tape7>},
+    {"import_tape6", "in.tp6", import <tape6>},
     {"import_chn", "in.chn", import <chn>},
     {"import_json", "in.json", import <json>},
     {"import_csv", "in.csv", import <csv>},

@@ -98,7 +98,10 @@ TEST_CASE("S20 MODTRAN 6 JSON: faults are refused with their place") {
   CHECK(holds(with("\"FREQ\": [2000, 2500]", "\"FREQ\": [2000, 9000]"), "does not lie in the band"));
   CHECK(holds(with("4.223e-7", "4.323e-7"), "do not add up"));
   CHECK(holds(with("\"FREQ\": [2000", "\"FRQ\": [2000"), "no array FREQ"));
-  CHECK(holds(with("MODTRANOUTPUT", "MODTRANOUTPUTS"), "this is the input of a run"));
+  // A case without output beside one that has it; alone it is an input, which says what was asked for.
+  const std::string two = kJson.substr(0, kJson.size() - 2) + ", {\"MODTRANINPUT\": {}}]}";
+  CHECK(holds(refused_json(two), "MODTRAN[1]: no MODTRANOUTPUT.SPECTRA"));
+  CHECK(with("MODTRANOUTPUT", "MODTRANOUTPUTS").empty());
   CHECK(holds(refused_json("{}"), "no array MODTRAN"));
 }
 

@@ -1,0 +1,60 @@
+#include "atmos_tables/import/sample_book.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "atmos_tables/import/text_lines.h"
+#include "atmos_tables/interpolate.h"
+
+namespace raycube::atmos::imported {
+
+Spectrum SampleBook::sorted(const Run& run, const Spectrum& values) {
+  std::vector<std::size_t> order(run.wavelength_um.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return run.wavelength_um[a] < run.wavelength_um[b]; });
+  Spectrum out;
+  for (const std::size_t i : order) out.push_back(values[i]);
+  return out;
+}
+
+Spectrum SampleBook::on_grid(const Run& run, const Spectrum& values) const {
+  const Spectrum from = sorted(run, run.wavelength_um), y = sorted(run, values);
+  if (from.size() == 1) return Spectrum(out.wavelength_um.size(), y[0]);
+  Spectrum to = out.wavelength_um;
+  for (double& l : to) l = std::clamp(l, from.front(), from.back());
+  return resample_linear(from, y, to);
+}
+
+Spectrum SampleBook::optional(const Run& run, const std::string& name) const {
+  const Column* column = run.find(name);
+  return column ? on_grid(run, *column) : Spectrum{};
+}
+
+void SampleBook::add(const std::string& row, const Sample& place, Spectrum values) {
+  if (values.empty()) return;
+  Sample sample = place;
+  sample.row = row, sample.values = std::move(values);
+  out.all.push_back(std::move(sample));
+}
+
+void SampleBook::agree(std::optional<double>& standing, std::optional<double> found, double tolerance, const char* what,
+                       const Source& source) {
+  if (!found) return;
+  if (standing && std::abs(*standing - *found) > tolerance)
+    problems.add({source.file->file, 0, 0, source.run->mode}, std::string(what) + " is not that of the runs before",
+                 shown(*found) + " after " + shown(*standing), "make one table per sun and sensor");
+  if (!standing) standing = found;
+}
+
+void SampleBook::sun_and_sensor(const Source& source) {
+  const Geometry& g = source.run->geometry;
+  if (g.sensor_height_m) agree(out.sensor_height_m, *g.sensor_height_m - ground_m, 0.5, "the sensor's height", source);
+  agree(out.sun_zenith_deg, g.sun_zenith_deg, 0.05, "the sun's zenith", source);
+  agree(out.sun_azimuth_deg, g.sun_azimuth_deg, 0.05, "the sun's azimuth", source);
+  agree(out.earth_sun_factor, g.earth_sun_factor, 1e-3, "the earth-sun factor", source);
+  if (g.day_of_year) out.day_of_year = g.day_of_year;
+}
+
+}  // namespace raycube::atmos::imported
