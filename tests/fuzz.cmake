@@ -26,7 +26,7 @@ set(readers
   atmos_tables/import/modtran_chn atmos_tables/import/modtran_csv atmos_tables/import/modtran_json
     atmos_tables/import/modtran_sun atmos_tables/import/modtran_tape6 atmos_tables/import/modtran_tape7
   atmos_tables/import/plain_csv atmos_tables/import/sixs atmos_tables/import/text_lines atmos_tables/import/uvspec
-  atmos_tables/import/uvspec_input
+  atmos_tables/import/uvspec_input atmos_tables/import/uvspec_unit
   atmos_tables/lines/hitran_par atmos_tables/lines/molecules atmos_tables/lines/tabulated_absorber
   host/products/envi_header_parser host/products/envi_reader host/products/las_reader)
 list(TRANSFORM readers PREPEND ${PROJECT_SOURCE_DIR}/)

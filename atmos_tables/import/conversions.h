@@ -35,6 +35,10 @@ constexpr double W_per_m2_um_from_W_per_m2_per_cm(double density, double wavelen
 constexpr double W_per_m2_um_from_mW_per_m2_nm(double density) { return density; }
 constexpr double W_per_m2_um_from_W_per_m2_nm(double density) { return density * 1e3; }
 constexpr double W_per_m2_from_mW_per_m2(double irradiance) { return irradiance * 1e-3; }
+/// Photons s-1 cm-2 [sr-1] nm-1 at a vacuum wavelength: h c / lambda each, h c = 1.98644586e-25 J m (CODATA 2018).
+constexpr double W_per_m2_um_from_photons_per_s_cm2_nm(double density, double wavelength_um) {
+  return density * 1e4 * 1e3 * 1.98644586e-25 / (wavelength_um * 1e-6);
+}
 constexpr double m_from_km(double length_km) { return length_km * 1e3; }
 
 /// Any azimuth difference folded to 0..180 degrees.

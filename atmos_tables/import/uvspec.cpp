@@ -7,6 +7,7 @@
 #include "atmos_tables/import/conversions.h"
 #include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/import/uvspec_input.h"
+#include "host/base/planck.h"
 
 namespace raycube::atmos::imported {
 
@@ -18,11 +19,15 @@ struct Meaning {
 };
 
 const Meaning* meaning_of(std::string_view source, bool up) {
-  static constexpr std::pair<const char*, Meaning> kMeanings[] = {
-      {"edir", {"irradiance_down_direct", false}}, {"edn", {"irradiance_down_diffuse", false}},
-      {"eup", {"irradiance_up", false}},           {"uavg", {"mean_radiance", true}},
-      {"uavgdir", {"mean_radiance_direct", true}}, {"uavgdn", {"mean_radiance_down", true}},
-      {"uavgup", {"mean_radiance_up", true}}};
+  static constexpr std::pair<const char*, Meaning> kMeanings[] = {{"edir", {"irradiance_down_direct", false}},
+                                                                  {"edn", {"irradiance_down_diffuse", false}},
+                                                                  {"eglo", {"irradiance_down", false}},
+                                                                  {"eup", {"irradiance_up", false}},
+                                                                  {"uavg", {"mean_radiance", true}},
+                                                                  {"uavgdir", {"mean_radiance_direct", true}},
+                                                                  {"uavgdn", {"mean_radiance_down", true}},
+                                                                  {"uavgup", {"mean_radiance_up", true}},
+                                                                  {"uavgglo", {"mean_radiance_down_all", true}}};
   static constexpr Meaning kUu[2] = {{"radiance_downward", true}, {"radiance_upward", true}},
                            kU0u[2] = {{"radiance_downward_azimuth_mean", true}, {"radiance_upward_azimuth_mean", true}};
   if (source == "uu") return &kUu[up];
@@ -30,6 +35,46 @@ const Meaning* meaning_of(std::string_view source, bool up) {
   for (const auto& [key, meaning] : kMeanings)
     if (source == key) return &meaning;
   return nullptr;
+}
+
+bool is_wavelength(std::string_view name) { return one_of(name, {"lambda", "wavelength", "wvl"}); }
+bool is_wavenumber(std::string_view name) { return one_of(name, {"wavenumber", "wvn"}); }
+bool is_level(std::string_view name) { return one_of(name, {"zout", "zout_sur", "zout_sea"}); }
+
+/// Columns of output_user that say nothing of light as it is read here: actinic and net fluxes, heating, the air.
+bool is_left_out(std::string_view name) {
+  for (const char* gas : {"n_", "rho_", "vmr_", "mmr_"})
+    if (name.rfind(gas, 0) == 0) return true;
+  return one_of(name, {"enet",
+                       "esum",
+                       "fdir",
+                       "fglo",
+                       "fdn",
+                       "fup",
+                       "f",
+                       "heat",
+                       "emis",
+                       "abs",
+                       "albedo",
+                       "p",
+                       "T",
+                       "T_d",
+                       "T_sur",
+                       "theta",
+                       "theta_e",
+                       "rh",
+                       "rh_ice",
+                       "c_p",
+                       "CLWC",
+                       "CLWD",
+                       "CIWC",
+                       "CIWD",
+                       "TCC",
+                       "z_sur",
+                       "wavenumber_min",
+                       "wavenumber_max",
+                       "lambda_min",
+                       "lambda_max"});
 }
 
 class UvspecReader {
@@ -51,7 +96,11 @@ class UvspecReader {
                     "the output is cut short, or the .inp is of another run");
     if (block == 0 && problems_.empty()) problems_.add(here(), "no data", "", "the run failed");
     if (problems_.empty()) {
-      check_band();
+      if (in_.axis_nm.empty())
+        check_band();
+      else
+        check_axis();
+      if (in_.sun_of_reptran && spectral()) check_reptran_sun();
       check_run(run_, {path_, 0, 0, ""}, problems_, 1e-5);
     }
     problems_.throw_if_any();
@@ -87,20 +136,30 @@ class UvspecReader {
         break;
       case UvspecQuantity::radiometric:
         column.name = name;
-        column.unit = "W m-2" + per_sr + (integrated() ? "" : " um-1");
+        column.unit = "W m-2" + per_sr + (spectral() ? " um-1" : "");
     }
     run_.columns.push_back(std::move(column));
   }
 
   void declare() {
-    run_.mode = integrated() ? "integrated" : in_.umu.empty() ? "fluxes" : "fluxes and radiances";
+    const bool emission = in_.thermal && in_.quantity == UvspecQuantity::radiometric;
+    run_.mode = in_.unit.per == UvspecPer::all ? "integrated"
+                : in_.unit.per == UvspecPer::band
+                    ? "bands"
+                    : std::string(emission ? "thermal " : "") + (in_.umu.empty() ? "fluxes" : "fluxes and radiances");
     run_.geometry.sun_zenith_deg = in_.sun_zenith_deg;
-    run_.geometry.ground_albedo = in_.albedo;
+    run_.geometry.ground_albedo = in_.albedo, run_.geometry.ground_height_m = in_.ground_height_m;
+    run_.geometry.day_of_year = in_.day_of_year;
+    run_.notes = in_.notes;
     for (const Place& place : in_.levels) {
       const auto plain = [&](std::initializer_list<const char*> names) {
         for (const char* name : names) declare_column(name, place, {}, {});
       };
       if (!in_.output_user.empty()) {
+        if (per_level_ == 0 &&
+            std::none_of(in_.output_user.begin(), in_.output_user.end(),
+                         [](const std::string& name) { return is_wavelength(name) || is_wavenumber(name); }))
+          problems_.add({in_.file, 0, 0, ""}, "output_user without lambda", "", "run uvspec with it");
         for (const std::string& name : in_.output_user) declare_user(name, place);
       } else if (in_.two_stream) {
         plain({"edir", "edn", "eup", "uavg"});
@@ -116,21 +175,37 @@ class UvspecReader {
     problems_.throw_if_any();
   }
 
+  /// Without phi uvspec computes azimuth means alone, and `uu` is those.
+  std::string_view radiance_of(std::string_view name) const {
+    return name == "uu" && in_.phi_deg.empty() ? "u0u" : name;
+  }
+  /// How many numbers a column of output_user is on each line.
+  std::size_t width_of(std::string_view name) const {
+    const std::string_view radiance = radiance_of(name);
+    return radiance == "uu" ? in_.umu.size() * in_.phi_deg.size() : radiance == "u0u" ? in_.umu.size() : 1;
+  }
+
   void declare_user(const std::string& name, const Place& place) {
-    if (name == "uu" || name == "u0u") {
+    const std::string_view radiance = radiance_of(name);
+    if (radiance == "uu" || radiance == "u0u") {
       for (const double umu : in_.umu) {
-        if (name == "u0u")
-          declare_column(name, place, umu, {});
+        if (radiance == "u0u")
+          declare_column(radiance, place, umu, {});
         else
-          for (const double phi : in_.phi_deg) declare_column(name, place, umu, phi);
+          for (const double phi : in_.phi_deg) declare_column(radiance, place, umu, phi);
       }
-      if (in_.umu.empty() || (name == "uu" && in_.phi_deg.empty()))
-        problems_.add({in_.file, 0, 0, ""}, "output_user " + name + " without umu or phi", "", "");
+      if (in_.umu.empty()) problems_.add({in_.file, 0, 0, ""}, "output_user " + name + " without umu", "", "give umu");
+    } else if (name == "spher_alb") {
+      run_.columns.push_back({"spherical_albedo", "1", name, place, {}, {}});
     } else if (meaning_of(name, false)) {
       declare_column(name, place, {}, {});
-    } else if (name != "lambda" && name != "wavenumber" && name != "sza" && name != "zout") {
+    } else if (is_left_out(name)) {
+      const std::string note = "column " + name + " is no light that is read here and was left out";
+      if (std::find(run_.notes.begin(), run_.notes.end(), note) == run_.notes.end()) run_.notes.push_back(note);
+    } else if (!is_wavelength(name) && !is_wavenumber(name) && !is_level(name) && name != "sza") {
       problems_.add({in_.file, 0, 0, ""}, "a column of output_user is not known", name,
-                    "known: lambda wavenumber sza zout edir edn eup uavg uavgdir uavgdn uavgup u0u uu");
+                    "known: lambda wavenumber sza zout edir edn eglo eup uavg uavgdir uavgdn uavgup u0u uu spher_alb; "
+                    "those of the air are left out");
     }
   }
 
@@ -148,24 +223,22 @@ class UvspecReader {
     return out;
   }
 
-  bool integrated() const {
-    return in_.density == UvspecDensity::integrated_W || in_.density == UvspecDensity::integrated_mW;
-  }
+  /// Densities per wavelength or wavenumber; else sums over bands or over all.
+  bool spectral() const { return in_.unit.per == UvspecPer::nm || in_.unit.per == UvspecPer::cm; }
 
   double converted(double value) const {
     const double um = run_.wavelength_um.back();
     if (in_.quantity != UvspecQuantity::radiometric) return value;
-    switch (in_.density) {
-      case UvspecDensity::mW_per_nm:
-        return W_per_m2_um_from_mW_per_m2_nm(value);
-      case UvspecDensity::W_per_nm:
-        return W_per_m2_um_from_W_per_m2_nm(value);
-      case UvspecDensity::W_per_cm:
-        return W_per_m2_um_from_W_per_m2_per_cm(value, um);
-      case UvspecDensity::integrated_mW:
-        return W_per_m2_from_mW_per_m2(value);
-      case UvspecDensity::integrated_W:
-        return value;
+    if (in_.unit.power == UvspecPower::photons) return W_per_m2_um_from_photons_per_s_cm2_nm(value, um);
+    const bool milli = in_.unit.power == UvspecPower::mW;
+    switch (in_.unit.per) {
+      case UvspecPer::nm:
+        return milli ? W_per_m2_um_from_mW_per_m2_nm(value) : W_per_m2_um_from_W_per_m2_nm(value);
+      case UvspecPer::cm:
+        return W_per_m2_um_from_W_per_m2_per_cm(milli ? W_per_m2_from_mW_per_m2(value) : value, um);
+      case UvspecPer::band:
+      case UvspecPer::all:
+        return milli ? W_per_m2_from_mW_per_m2(value) : value;
     }
     return value;
   }
@@ -245,9 +318,8 @@ class UvspecReader {
   }
 
   bool user_line(std::size_t level) {
-    std::size_t columns = in_.output_user.size();
-    for (const auto& name : in_.output_user)
-      columns += name == "uu" ? in_.umu.size() * in_.phi_deg.size() - 1 : name == "u0u" ? in_.umu.size() - 1 : 0;
+    std::size_t columns = 0;
+    for (const auto& name : in_.output_user) columns += width_of(name);
     const auto line = numbers(columns, "output_user");
     if (line.empty()) return false;
     double largest = 0;
@@ -259,44 +331,83 @@ class UvspecReader {
                       "lines are out of order, or the .inp is of another run");
     };
     // The axis first, wherever it stands: conversions need it.
-    const auto column_of = [&](const char* name) -> std::optional<std::size_t> {
-      std::size_t at = 0;
-      for (const auto& user : in_.output_user) {
-        if (user == name) return at;
-        at += user == "uu" ? in_.umu.size() * in_.phi_deg.size() : user == "u0u" ? in_.umu.size() : 1;
-      }
-      return std::nullopt;
-    };
-    const auto lambda = column_of("lambda"), wavenumber = column_of("wavenumber");
-    if (!lambda) {
-      problems_.add({in_.file, 0, 0, ""}, "output_user without lambda", "", "run uvspec with it");
-      return false;
-    }
-    if (!wavelength(line[*lambda], level)) return false;
-    if (wavenumber) {
-      // lambda is printed to 0.001 nm: it names the wavenumber to that.
-      const double nm = base::nm_from_um(base::um_from_wavenumber_per_cm(line[*wavenumber].value));
-      const double digits = line[*lambda].rounding + line[*wavenumber].rounding * nm * nm * 1e-7;
-      if (!(std::abs(nm - line[*lambda].value) <= digits * 1.001))
-        problems_.add(here(), "lambda and wavenumber disagree",
-                      std::to_string(nm) + " and " + std::to_string(line[*lambda].value) + " nm",
-                      "the columns have moved");
-    }
-    for (const auto& name : in_.output_user)
-      if (name != "lambda" && name != "wavenumber" && name != "sza" && name != "zout")
-        largest = std::max(largest, std::abs(line[*column_of(name.c_str())].value));
+    if (!user_axis(line, level)) return false;
     for (const auto& name : in_.output_user) {
-      const std::size_t count = name == "uu" ? in_.umu.size() * in_.phi_deg.size() : name == "u0u" ? in_.umu.size() : 1;
+      const std::size_t count = width_of(name);
+      if (takes(name))
+        for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(line[field + i].value));
+      field += count;
+    }
+    field = 0;
+    for (const auto& name : in_.output_user) {
+      const std::size_t count = width_of(name);
       if (name == "sza" && in_.sun_zenith_deg)
         check("sza", line[field].value, *in_.sun_zenith_deg);
+      else if (name == "sza" && !in_.thermal && !run_.geometry.sun_zenith_deg)
+        run_.geometry.sun_zenith_deg = line[field].value;
       else if (name == "zout" && in_.levels[level].height_m)
         check("zout", line[field].value, *in_.levels[level].height_m / 1e3);
-      else if (meaning_of(name, false))
+      else if (takes(name))
         for (std::size_t i = 0; i < count; ++i) put(line[field + i], largest);
       field += count;
     }
     ++at_;
     return true;
+  }
+
+  /// Whether a column of output_user becomes columns of the run.
+  static bool takes(std::string_view name) { return name == "spher_alb" || meaning_of(name, false); }
+
+  /// By lambda, or by wavenumber where that stands alone (one of them does); both must agree.
+  bool user_axis(const std::vector<Number>& line, std::size_t level) {
+    const Number *lambda = nullptr, *wavenumber = nullptr;
+    std::size_t field = 0;
+    for (const auto& name : in_.output_user) {
+      if (is_wavelength(name)) lambda = &line[field];
+      if (is_wavenumber(name)) wavenumber = &line[field];
+      field += width_of(name);
+    }
+    if (wavenumber && !(wavenumber->value > 0)) {
+      problems_.add(here(), "a wavenumber is not above 0", shown(wavenumber->value), "the output is damaged");
+      return false;
+    }
+    const double nm = wavenumber ? base::nm_from_um(base::um_from_wavenumber_per_cm(wavenumber->value)) : lambda->value,
+                 digits = wavenumber ? wavenumber->rounding * nm * nm * 1e-7 : 0;
+    if (!wavelength(lambda ? *lambda : Number{Number::State::good, nm, digits}, level)) return false;
+    // lambda is printed to 0.001 nm: it names the wavenumber to that.
+    if (lambda && !(std::abs(nm - lambda->value) <= (lambda->rounding + digits) * 1.001))
+      problems_.add(here(), "lambda and wavenumber disagree",
+                    std::to_string(nm) + " and " + std::to_string(lambda->value) + " nm", "the columns have moved");
+    return true;
+  }
+
+  /// The wavelengths are those of `spline`, to the digits that uvspec prints them with.
+  void check_axis() {
+    const auto& axis = run_.wavelength_um;
+    bool same = axis.size() == in_.axis_nm.size();
+    for (std::size_t i = 0; same && i < axis.size(); ++i)
+      same = std::abs(base::nm_from_um(axis[i]) - in_.axis_nm[i]) <= 1e-3;
+    if (!same)
+      problems_.add(here(), "the wavelengths are not those that spline asks for",
+                    std::to_string(axis.size()) + " of " + std::to_string(in_.axis_nm.size()),
+                    "the output is cut short, or the .inp is of another run");
+  }
+
+  /// Without a solar file uvspec takes the sun of REPTRAN's tables, in mW m-2 nm-1 as its other files; its manual says
+  /// W. The size decides: light from above beyond 1/500 of the sun's (a black body of 5772 K) cannot be in W, which
+  /// would put it beyond the sun itself.
+  void check_reptran_sun() {
+    constexpr double kSun_K = 5772, kSunRadiusOverDistance2 = 2.1626e-5;
+    double most = 0;
+    for (const Column& column : run_.columns)
+      for (std::size_t i = 0; i < column.values.size(); ++i) {
+        const double sun = base::kPi * kSunRadiusOverDistance2 * base::planck_radiance(run_.wavelength_um[i], kSun_K);
+        most = std::max(most, column.values[i] / sun);
+      }
+    if (!(most > 2e-3 && most < 2))
+      problems_.add({path_, 0, 0, ""}, "source solar without a file: whether the numbers are in mW or W cannot be told",
+                    "at most " + shown(most) + " of the sun, read as mW",
+                    "name a solar file of libRadtran in `source solar`");
   }
 
   /// The wavelengths must lie in the band asked for; a run that stopped early ends short of it.

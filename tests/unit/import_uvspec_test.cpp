@@ -63,8 +63,17 @@ TEST_CASE("S20 uvspec: units of thermal output, output_user, ratios") {
         doctest::Approx(9).epsilon(1e-12));
   CHECK(Files(replaced(thermal, "per_cm-1", "per_nm"), line).read().runs[0].at("irradiance_down_diffuse").values[0] ==
         doctest::Approx(90).epsilon(1e-12));
-  CHECK(
-      holds(refused(replaced(thermal, "output_process per_cm-1", ""), line), "the unit of the output cannot be told"));
+  // Without output_process REPTRAN and LOWTRAN write per cm-1, bands of 2 cm-1 in W m-2.
+  const Run own = Files(replaced(thermal, "output_process per_cm-1", ""), line).read().runs[0];
+  CHECK(own.at("irradiance_down_diffuse").values[0] == doctest::Approx(9).epsilon(1e-12));
+  CHECK(own.mode == "thermal fluxes");
+  const Run band =
+      Files(replaced(thermal, "output_process per_cm-1", "mol_abs_param lowtran\nthermal_bandwidth 2"), line)
+          .read()
+          .runs[0];
+  CHECK(band.mode == "bands");
+  CHECK(band.at("irradiance_down_diffuse").unit == "W m-2");
+  CHECK(band.at("irradiance_down_diffuse").values[0] == 0.09);
   const std::string user =
       "source solar kurudz_1.0nm.dat\nwavelength 860 860\nsza 40\numu 1.0\nphi 0\nzout TOA\noutput_user lambda "
       "wavenumber sza edir uu\n";
@@ -106,7 +115,7 @@ TEST_CASE("S20 uvspec: faults are refused with file and line") {
       holds(refused(replaced(kInput, "kurudz", "mine"), kOutput), "the unit of the output is that of the solar file"));
   CHECK(holds(refused(replaced(kInput, "rte_solver disort", "rte_solver polradtran"), kOutput),
               "the layout of this rte_solver is not known"));
-  CHECK(holds(refused(kInput + "include other.inp\n", kOutput), "a.inp:10: this setting"));
+  CHECK(holds(refused(kInput + "include other.inp\n", kOutput), "a.inp:10: the included file is not there"));
   CHECK(holds(refused(replaced(kInput, "zout 0 3", "zout 0 x"), kOutput), "a.inp:9: zout is no number"));
   const TestFolder folder;
   folder.write("b.out", kOutput);

@@ -2,6 +2,8 @@
 #include "atmos_tables/import/table_of_runs.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "atmos_tables/import/albedo_runs.h"
@@ -164,4 +166,51 @@ TEST_CASE(
   CHECK(path_radiance_thermal(table, 0, 0).back() == doctest::Approx(2).epsilon(1e-6));
   CHECK(sky_radiance_thermal(table, 0, 70).back() == doctest::Approx(3).epsilon(1e-6));
   CHECK(sky_radiance_thermal(table, 0, 70).front() == doctest::Approx(3e-6 * 1100 * 1100).epsilon(1e-6));
+}
+
+TEST_CASE("S6.1 a thermal uvspec run takes its transmission from one by sunlight: grey air, in closed form") {
+  // Air of one temperature that only absorbs, 0.3 deep below the sensor and 0.1 above: what its path sends is
+  // B (1 - t), what the sky sends B (1 - t_sky), and the ground's light comes through with t.
+  raycube::testing::TestFolder folder;
+  const double below = 0.3, above = 0.1, b = 8, ground = 10, mu0 = std::cos(40 * std::numbers::pi / 180), e0 = 2;
+  const auto number = [](double x) {
+    char text[40];
+    std::snprintf(text, sizeof text, " %.9e", x);
+    return std::string(text);
+  };
+  const auto solar = [&](double depth) { return e0 * mu0 * std::exp(-depth / mu0); };
+  std::string beam, heat;
+  for (const char* nm : {" 9000.000", " 9500.000"}) {
+    beam += std::string(nm) + "  0.000" + number(solar(below + above)) + "\n" + nm + "  2.000" + number(solar(above)) +
+            "\n" + nm + "  120.0" + number(solar(0)) + "\n";
+    for (const bool high : {false, true}) {
+      heat += std::string(nm) + (high ? "  2.000" : "  0.000");
+      const auto sky = [&](double mu) { return b * (1 - std::exp(-(high ? above : below + above) / mu)); };
+      const auto up = [&](double mu) {
+        const double t = high ? std::exp(-below / mu) : 1;
+        return ground * t + b * (1 - t);
+      };
+      heat += number(sky(0.5) / 1e3) + number(up(0.5) / 1e3) + number(up(1) / 1e3) + "\n";
+    }
+  }
+  folder.write("sun.inp", "source solar kurudz_1.0nm.dat\nsza 40\nzout 0 2 TOA\noutput_user lambda zout edir\n");
+  folder.write("sun.out", beam);
+  folder.write("heat.inp",
+               "source thermal\noutput_process per_nm\nzout 0 2\numu -0.5 0.5 1\nphi 0\noutput_user lambda zout uu\n");
+  folder.write("heat.out", heat);
+  const Imported sun = import_file(folder / "sun.out"), thermal = import_file(folder / "heat.out");
+  CHECK(thermal.runs[0].mode == "thermal fluxes and radiances");
+  // In any order; alone the transmission is missing, and the message says what gives it.
+  const RenderTable table = table_of_runs({thermal, sun}, {}).table;
+  CHECK(table.sensor_height_m == 2000);
+  CHECK(table.axis("view_zenith").nodes.size() == 2);
+  for (const auto& [zenith, mu] : {std::pair{0.0, 1.0}, {60.0, 0.5}}) {
+    const double t = std::exp(-below / mu);
+    CHECK(view_transmission(table, 0, zenith)[1] == doctest::Approx(t).epsilon(1e-6));
+    CHECK(path_radiance_thermal(table, 0, zenith)[1] == doctest::Approx(b * (1 - t)).epsilon(1e-6));
+  }
+  CHECK(sky_radiance_thermal(table, 0, 60)[0] == doctest::Approx(b * (1 - std::exp(-0.4 / 0.5))).epsilon(1e-6));
+  const std::string said = refusal([&] { table_of_runs({thermal}, {}); });
+  CHECK(holds(said, "no run says what T is"));
+  CHECK(holds(said, "add a uvspec run with source solar"));
 }
