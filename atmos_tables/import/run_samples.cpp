@@ -12,6 +12,7 @@
 #include "atmos_tables/import/albedo_runs.h"
 #include "atmos_tables/import/conversions.h"
 #include "atmos_tables/import/sample_book.h"
+#include "atmos_tables/import/sixs_bands.h"
 #include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/import/told_geometry.h"
 #include "atmos_tables/interpolate.h"
@@ -26,6 +27,7 @@ Role role_of(const Imported& file, const Run& run) {
   if (only_tells(run)) return Role::told;
   if (file.format == "chn") return Role::channels;
   if (file.format == "plain-csv") return Role::columns;
+  if (file.format == "6s") return run.mode == "joined" ? Role::bands : Role::wavelength_table;
   if (file.format == "uvspec") {
     if (run.mode.rfind("thermal", 0) == 0) return Role::emission;
     return run.mode.rfind("fluxes", 0) == 0 ? Role::solver : Role::unused;
@@ -90,6 +92,12 @@ class Reader {
         case Role::correction:
           correction(source);
           break;
+        case Role::bands:
+          add_joined_bands(source, book_);
+          break;
+        case Role::wavelength_table:
+          add_wavelength_table(source, book_);
+          break;
         case Role::columns:
           columns(source);
           break;
@@ -135,8 +143,10 @@ class Reader {
     for (const Source& source : sources_) {
       const auto [low, high] = std::minmax_element(source.run->wavelength_um.begin(), source.run->wavelength_um.end());
       first = std::max(first, *low), last = std::min(last, *high);
-      const bool leads = source.role == Role::down || source.role == Role::channels || source.role == Role::solver;
-      const bool lead_leads = lead->role == Role::down || lead->role == Role::channels || lead->role == Role::solver;
+      const auto leads_grid = [](Role role) {
+        return role == Role::down || role == Role::channels || role == Role::solver || role == Role::bands;
+      };
+      const bool leads = leads_grid(source.role), lead_leads = leads_grid(lead->role);
       if (leads && !lead_leads) lead = &source;
     }
     out_.wavelength_um = book_.sorted(*lead->run, lead->run->wavelength_um);

@@ -12,7 +12,21 @@
 namespace raycube::atmos::imported {
 
 /// What a run can give to a table.
-enum class Role { down, sky, sun, levels, solver, emission, channels, correction, columns, told, unused };
+enum class Role {
+  down,
+  sky,
+  sun,
+  levels,
+  solver,
+  emission,
+  channels,
+  correction,
+  bands,
+  wavelength_table,
+  columns,
+  told,
+  unused
+};
 
 struct Source {
   const Imported* file;

@@ -41,6 +41,7 @@ const std::vector<Item>& items() {
        "W m-2 sr-1 um-1",
        true},
       {"int. funct filter (in mic) int. sol. spect (in w/m2)", {"filter_width", "solar_irradiance_in_band"}, "", true},
+      {"sol. spect (in w/m2/mic)", {"solar_irradiance"}, "W m-2 um-1", true},
       {"global gas. trans. :",
        {"sun_ground_transmittance_gas", "ground_sensor_transmittance_gas", "sun_ground_sensor_transmittance_gas"},
        "1"},
@@ -50,6 +51,9 @@ const std::vector<Item>& items() {
        "1"},
       {"spherical albedo :", {"", "", "spherical_albedo"}, "1"},
       {"optical depth total:", {"optical_depth_rayleigh", "optical_depth_aerosol", "optical_depth"}, "1"},
+      {"optical depth plane:",
+       {"optical_depth_rayleigh_below_plane", "optical_depth_aerosol_below_plane", "optical_depth_below_plane"},
+       "1"},
       {"reflectance I :", {"", "", "reflectance_path"}, "1"},
       {"reflectance :", {"", "", "reflectance_path"}, "1"},
   };
@@ -126,6 +130,7 @@ class SixsReader {
     if (const auto zenith = after(text, "view zenith angle:")) run_.geometry.view_zenith_deg = zenith->value;
     if (const auto azimuth = after(text, "azimuthal angle difference:"))
       run_.geometry.relative_azimuth_deg = folded_azimuth_deg(azimuth->value);
+    site(text);
     const auto first = after(text, "wl inf="), last = after(text, "wl sup=");
     if (first && last) {
       if (!(first->value > 0 && last->value >= first->value))
@@ -155,6 +160,16 @@ class SixsReader {
         if (*item.names[i]) keep(item.names[i], item.unit, item.label, number);
       }
     }
+  }
+
+  /// Where the sun stands from north, the ground, and the aircraft where 6S was told of one.
+  void site(const std::string& text) {
+    if (const auto azimuth = after(text, "solar azimuthal angle:"))
+      run_.geometry.sun_azimuth_deg = azimuth_deg_0_to_360(azimuth->value);
+    if (const auto ground = after(text, "ground altitude [km]"))
+      run_.geometry.ground_height_m = m_from_km(ground->value);
+    if (const auto plane = after(text, "plane altitude absolute [km]"))
+      run_.geometry.sensor_height_m = m_from_km(plane->value);
   }
 
   /// A line of as many numbers as the table has columns; others (its heading's lower lines, what follows) are
@@ -219,32 +234,36 @@ class SixsReader {
       if (!run_.find(name)) problems_.add(title, std::string("the run has no ") + name, "", "the output is cut short");
   }
 
-  /// E0 = solar spectrum in the band / width of the filter; with it reflectance = pi L / (E0 cos sun), to the printed
-  /// digits.
+  /// E0 = solar spectrum in the band / width of the filter, or as a monochromatic run prints it; with it reflectance =
+  /// pi L / (E0 cos sun), to the printed digits.
   void solar() {
+    Column width, in_band;
     std::erase_if(run_.columns, [&](const Column& c) {
-      if (c.name == "filter_width") width_ = c;
-      if (c.name == "solar_irradiance_in_band") in_band_ = c;
+      if (c.name == "filter_width") width = c;
+      if (c.name == "solar_irradiance_in_band") in_band = c;
       return c.unit.empty();
     });
-    if (width_.values.empty() || in_band_.values.empty() || !(width_.values[0] > 0)) return;
-    const double sun = in_band_.values[0] / width_.values[0];
-    const double sun_part = in_band_.rounding[0] / in_band_.values[0] + width_.rounding[0] / width_.values[0];
+    if (!width.values.empty() && !in_band.values.empty() && width.values[0] > 0 && in_band.values[0] > 0) {
+      const double mean = in_band.values[0] / width.values[0],
+                   part = in_band.rounding[0] / in_band.values[0] + width.rounding[0] / width.values[0];
+      run_.columns.push_back({"channel_width", "um", "int. funct filter", {}, width.values, width.rounding});
+      run_.columns.push_back(
+          {"solar_irradiance", "W m-2 um-1", "int. sol. spect / int. funct filter", {}, {mean}, {mean * part}});
+    }
+    const Column* sun = run_.find("solar_irradiance");
+    if (!sun || !(sun->values[0] > 0) || !run_.geometry.sun_zenith_deg) return;
     const Column reflectance = run_.at("reflectance_apparent"), radiance = run_.at("radiance");
-    run_.columns.push_back(
-        {"solar_irradiance", "W m-2 um-1", "int. sol. spect / int. funct filter", {}, {sun}, {sun * sun_part}});
-    if (!run_.geometry.sun_zenith_deg) return;
-    const double per_radiance = std::numbers::pi / (sun * std::cos(base::rad_from_deg(*run_.geometry.sun_zenith_deg)));
+    const double per_radiance =
+        std::numbers::pi / (sun->values[0] * std::cos(base::rad_from_deg(*run_.geometry.sun_zenith_deg)));
     const double expected = per_radiance * radiance.values[0];
     // The sun's zenith is printed to 0.01 deg: tan(zenith) times half of that, in the cosine.
     const double angle_part = std::tan(base::rad_from_deg(*run_.geometry.sun_zenith_deg)) * base::rad_from_deg(0.005);
-    const double allowed =
-        reflectance.rounding[0] + per_radiance * radiance.rounding[0] + expected * (sun_part + angle_part + 1e-6);
+    const double allowed = reflectance.rounding[0] + per_radiance * radiance.rounding[0] +
+                           expected * (sun->rounding[0] / sun->values[0] + angle_part + 1e-6);
     if (!(std::abs(expected - reflectance.values[0]) <= allowed))
       problems_.add({path_, title_line_, 0, ""}, "apparent reflectance and radiance disagree: pi L / (E0 cos sun)",
                     std::to_string(expected) + " against " + std::to_string(reflectance.values[0]),
                     "lines are damaged or of two runs");
-    width_ = in_band_ = {};
   }
 
   const std::string& path_;
@@ -255,7 +274,6 @@ class SixsReader {
   bool started_ = false, monochromatic_ = false, table_ = false;
   std::vector<Column> rows_;  ///< of the table by wavelength
   Run run_;
-  Column width_, in_band_;
 };
 
 }  // namespace

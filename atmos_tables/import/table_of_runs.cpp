@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/import/run_samples.h"
+#include "atmos_tables/import/sixs_bands.h"
 #include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/row_registry.h"
 #include "atmos_tables/table_rows.h"
@@ -207,7 +208,7 @@ class Maker {
     };
     const Need view{"view_transmission",
                     "transmission from target to sensor: a MODTRAN run that looks down, .chn, .acd, uvspec with edir "
-                    "at ground and sensor"};
+                    "at ground and sensor, 6S run by run"};
     const std::vector<Need> solar = {
         {"solar_irradiance",
          "sun above the air: TOA_SUN of tape7, .chn, a direct-irradiance run, uvspec with zout TOA"},
@@ -364,12 +365,13 @@ class Maker {
 
 }  // namespace
 
-/// [first moment, centre, FWHM] um of every node of a table whose nodes are channels of one .chn; empty for other
-/// tables. Where a file's descriptions name neither, the moment, and the equivalent width as that of a Gaussian.
+/// [first moment, centre, FWHM] um of every node of a table whose nodes are channels of one .chn or bands of 6S; empty
+/// for other tables. Where a file's descriptions name neither, the moment, and the equivalent width as that of a
+/// Gaussian.
 nlohmann::ordered_json channels_of(const std::vector<Imported>& files, const Spectrum& nodes_um) {
   constexpr double kWidthOverFwhm = 1.0644670194312262;  // of a Gaussian: sqrt(pi / (4 ln 2))
   for (const Imported& file : files) {
-    if (file.format != "chn" || file.runs.empty()) continue;
+    if (file.runs.empty() || (file.format != "chn" && !file.runs.front().find("channel_fwhm"))) continue;
     const Run& run = file.runs.front();
     const Column *center = run.find("channel_center"), *fwhm = run.find("channel_fwhm"),
                  *width = run.find("channel_width");
@@ -401,13 +403,14 @@ void note_one_direction(const RenderTable& table, const std::vector<Imported>& f
     notices.push_back("one direction of the sky, taken for all of it");
 }
 
-TableOfRuns table_of_runs(const std::vector<Imported>& files, const TableRequest& request) {
+TableOfRuns table_of_runs(const std::vector<Imported>& given, const TableRequest& request) {
+  const std::vector<Imported> files = with_bands_joined(given);
   Maker maker(samples_of(files, request), request);
   TableOfRuns out{maker.table(), {}};
   out.notices = maker.notices();
   note_one_direction(out.table, files, out.notices);
   nlohmann::ordered_json provenance{{"model", "imported"}, {"files", nlohmann::ordered_json::array()}};
-  for (const Imported& file : files)
+  for (const Imported& file : given)
     provenance["files"].push_back(
         {{"file", file.file}, {"code", file.code}, {"format", file.format}, {"runs", file.runs.size()}});
   provenance["notices"] = out.notices;

@@ -97,9 +97,11 @@ Verb verb_atmos_import() {
       "day. "
       "What a render needs and the runs lack is listed; directions must form full grids, and one direction alone "
       "serves what is near it: renders that look elsewhere are warned or refused.";
-  verb.examples = {"raycube atmos import tape7", "raycube atmos import uvspec.out --uvspec-input uvspec.inp --json",
+  verb.examples = {"raycube atmos import tape7",
+                   "raycube atmos import uvspec.out --uvspec-input uvspec.inp --json",
                    "raycube atmos import down.tp7 sky.tp7 -o flight.rct",
                    "raycube atmos import run.chn run.tp6 --even-sky -o flight.rct",
+                   "raycube atmos import 0.55.txt 0.65.txt 0.85.txt --sensor-height 700e3 --even-sky -o 6s.rct",
                    "raycube atmos import run.chn --sun-zenith 52 --sensor-height 2000 --even-sky -o flight.rct"};
   verb.common = kOutput;
   verb.output_default = "FILEs are described, no table is made";
