@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "atmos_tables/import/text_lines.h"
+#include "atmos_tables/import/told_geometry.h"
 #include "atmos_tables/interpolate.h"
 
 namespace raycube::atmos::imported {
@@ -55,6 +56,8 @@ void SampleBook::sun_and_sensor(const Source& source) {
   agree(out.sun_azimuth_deg, g.sun_azimuth_deg, 0.05, "the sun's azimuth", source);
   agree(out.earth_sun_factor, g.earth_sun_factor, 1e-3, "the earth-sun factor", source);
   if (g.day_of_year) out.day_of_year = g.day_of_year;
+  for (const std::string& note : source.run->notes)
+    if (note.rfind(kToldBy, 0) == 0) out.notices.push_back(source.file->file + ": " + note);
 }
 
 }  // namespace raycube::atmos::imported

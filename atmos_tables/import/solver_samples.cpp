@@ -23,10 +23,11 @@ class SolverRun {
         levels_.push_back({column.place.height_m, column.place.top_of_air, {}, {}, {}});
     std::sort(levels_.begin(), levels_.end(),
               [](const Place& a, const Place& b) { return a.height_m.value_or(1e9) < b.height_m.value_or(1e9); });
+    for (const std::string& said : run_.notes) note(said);  // what the numbers are means over
   }
 
   void by_sunlight() {
-    book_.agree(book_.out.sun_zenith_deg, run_.geometry.sun_zenith_deg, 0.05, "the sun's zenith", source_);
+    book_.sun_and_sensor(source_);
     if (!run_.find("irradiance_down_direct") || !run_.geometry.sun_zenith_deg) {
       book_.problems.add({source_.file->file, 0, 0, ""}, "a uvspec run needs sza and the column edir to become a table",
                          "", "ask for output_user lambda edir edn uu");

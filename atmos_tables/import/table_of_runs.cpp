@@ -28,6 +28,11 @@ const std::set<std::string> kSolarRows = {
     "direct_irradiance", "diffuse_irradiance", "spherical_albedo", "diffuse_view_transmission", "diffuse_return"};
 const std::set<std::string> kThermalSkyRows = {"sky_radiance_thermal", "two_way_factor_thermal"};
 
+/// A row of a table, the runs it comes from, and what each code must be told to compute them.
+struct Need {
+  const char *row, *from, *way_out;
+};
+
 class Maker {
  public:
   Maker(Samples samples, const TableRequest& request) : s_(std::move(samples)), request_(request) {}
@@ -203,36 +208,51 @@ class Maker {
 
   void demands() {
     const double first = s_.wavelength_um.front(), last = s_.wavelength_um.back();
-    struct Need {
-      const char *row, *from;
-    };
-    const Need view{"view_transmission",
-                    "transmission from target to sensor: a MODTRAN run that looks down, .chn, .acd, uvspec with edir "
-                    "at ground and sensor, 6S run by run"};
+    const Need view{
+        "view_transmission",
+        "transmission from target to sensor: a MODTRAN run that looks down, .chn, .acd, uvspec with edir "
+        "at ground and sensor, 6S run by run",
+        "MODTRAN: a zenith beyond 90 deg on card 3, or a filter file for a .chn; uvspec: zout at ground and "
+        "sensor, source solar; 6S: iwave -1 or 0"};
     const std::vector<Need> solar = {
         {"solar_irradiance",
-         "sun above the air: TOA_SUN of tape7, .chn, a direct-irradiance run, uvspec with zout TOA"},
+         "sun above the air: TOA_SUN of tape7, .chn, a direct-irradiance run, uvspec with zout TOA, 6S",
+         "MODTRAN: IEMSCT 2 or 3 on card 1; uvspec: TOA among zout"},
         {"sun_transmission",
          "sun to target: REF_SOL and TOA_SUN of tape7, .chn, .acd, a direct-irradiance run (IEMSCT 3), uvspec with "
-         "zout TOA"},
+         "zout TOA, 6S",
+         "MODTRAN: IEMSCT 2 on card 1 for REF_SOL, or IEMSCT 3 with the sun's zenith on card 3; uvspec: TOA among "
+         "zout"},
         {"path_radiance_solar",
-         "sunlight scattered into the path: SOL_SCAT of a run that looks down, .chn, uvspec with umu > 0"},
+         "sunlight scattered into the path: SOL_SCAT of a run that looks down, .chn, uvspec with umu > 0, 6S",
+         "MODTRAN: IEMSCT 2 and IMULT 1 on card 1, SURREF 0; uvspec: umu above 0, albedo 0"},
         {"sky_radiance_solar",
          "sky: SOL_SCAT of runs that look up from the ground, uvspec with umu < 0; or --even-sky where the diffuse "
-         "irradiance is known"}};
+         "irradiance is known",
+         "MODTRAN: IEMSCT 2 on card 1, H1 the ground and zeniths below 90 deg on card 3; uvspec: umu below 0, phi; 6S "
+         "and .chn: --even-sky"}};
     const std::vector<Need> thermal = {
-        {"path_radiance_thermal", "light the path emits: PTH_THRML of a run that looks down, .chn"},
-        {"sky_radiance_thermal", "light the sky emits: PTH_THRML of runs that look up from the ground"}};
+        {"path_radiance_thermal",
+         "light the path emits: PTH_THRML of a run that looks down, .chn, a thermal uvspec run with umu > 0",
+         "MODTRAN: IEMSCT 1 or 2 on card 1, a zenith beyond 90 deg on card 3; uvspec: source thermal, zout at ground "
+         "and "
+         "sensor, with a run by source solar"},
+        {"sky_radiance_thermal",
+         "light the sky emits: PTH_THRML of runs that look up from the ground, a thermal uvspec run with umu < 0",
+         "MODTRAN: IEMSCT 1 or 2 on card 1, H1 the ground and zeniths below 90 deg on card 3; uvspec: source thermal, "
+         "umu below 0"}};
     const auto lacking = [&](const std::vector<Need>& needs) {
-      std::vector<std::string> out;
+      std::vector<Need> out;
       for (const Need& need : needs)
-        if (!has(need.row)) out.push_back(std::string(need.row) + ", " + need.from);
+        if (!has(need.row)) out.push_back(need);
       return out;
     };
     const auto no_sun = lacking(solar);
     const bool wants_sun = first < kSolarTo_um, wants_heat = base::asks_for_heat(last);
-    const auto miss = [&](const std::vector<std::string>& rows) {
-      for (const auto& row : rows) missing_.emplace_back(row, "add such a run, or a CSV column of this name");
+    const auto miss = [&](const std::vector<Need>& needs) {
+      for (const Need& need : needs)
+        missing_.emplace_back(std::string(need.row) + ", " + need.from,
+                              std::string(need.way_out) + "; or add a CSV column of this name");
     };
     miss(lacking({view}));
     if (wants_sun) miss(no_sun);

@@ -49,7 +49,7 @@ class Filler {
     if (g.day_of_year && told.day_of_year && *g.day_of_year != *told.day_of_year)
       disagree("the day of the year", std::to_string(*g.day_of_year), std::to_string(*told.day_of_year));
     if (!g.day_of_year) g.day_of_year = told.day_of_year;
-    if (taken_) run_.notes.push_back("sun, heights and day as " + teller_.file + " has them");
+    if (taken_) run_.notes.push_back(kToldBy + teller_.file);
   }
 
  private:

@@ -15,6 +15,9 @@ namespace raycube::atmos::imported {
 /// or the numbers of lines of sight differ.
 void tell_geometry(std::vector<Imported>& files);
 
+/// How the note begins that says whose geometry a run has; the file's name follows.
+inline constexpr const char* kToldBy = "sun, heights and day as told by ";
+
 /// Whether a run is a listing's or an input's: it holds geometry and no spectra.
 bool only_tells(const Run& run);
 

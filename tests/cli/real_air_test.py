@@ -103,6 +103,20 @@ def channels(work):
     check(any("19 of 19 bands" in text for text in warnings), warnings)
 
 
+def told(work):
+    """The same .chn with the listing of its run, and no option of sun or sensor: a table of the listing's sun."""
+    chn, tp6 = (shared / f"samples/modtran/isofit_modtran6_vswir.{end}" for end in ("chn", "tp6"))
+    run("atmos", "import", chn, tp6, "--even-sky", "-o", work / "told.rct")
+    said = json.loads(run("atmos", "info", work / "told.rct", "--json").stdout)
+    # As the listing prints them: sensor 2.3 km, ground 0.35 km, the sun at the ground, its azimuth from -90 + 253.467.
+    check(abs(said["sensor_height_m"] - 1950) < 1e-6, said["sensor_height_m"])
+    check(abs(said["sun_zenith_deg"] - 51.99282416) < 1e-8, said["sun_zenith_deg"])
+    check(abs(said["sun_azimuth_deg"] - 163.46725576) < 1e-6, said["sun_azimuth_deg"])
+    says = ["none of the files holds a run", "give its .chn"]
+    refused("atmos", "import", tp6, "-o", work / "none.rct", status=2, says=says)
+    check(not (work / "none.rct").exists())
+
+
 def two_directions(work):
     """A uvspec run of view zeniths 0 and 60 degrees serves those between, without a word of its directions."""
     uvspec = shared / "samples/libradtran/uvspec_solar_radiance.out"
@@ -174,6 +188,7 @@ with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
     os.environ["XDG_CACHE_HOME"] = str(work / "cache")
     channels(work)
+    told(work)
     two_directions(work)
     line_list(work)
 print(f"real air: {program.checks} checks")
