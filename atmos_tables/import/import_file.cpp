@@ -59,7 +59,7 @@ std::string told_apart(const std::string& path, const std::string& uvspec_input)
   if (end == ".tp7" || name.find("tape7") != std::string::npos ||
       (holds("FREQ") && (holds("COMBIN") || holds("TOTAL_RAD") || holds("TOTAL RAD") || holds("SOL TR"))))
     return "tape7";
-  if (std::filesystem::exists(std::filesystem::path(path).replace_extension(".inp")) && end != ".inp") return "uvspec";
+  if (end != ".inp" && !uvspec_input_beside(path).empty()) return "uvspec";
   std::string names;
   for (const auto& known : format_names()) names += (names.empty() ? "" : ", ") + known;
   throw base::Error(base::Fault::input, path + ": which code wrote this? name its format, one of " + names);

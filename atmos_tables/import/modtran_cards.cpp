@@ -118,7 +118,9 @@ ModtranCards read_modtran_cards(const std::vector<std::string>& echo) {
     const Number iparm = read_number(card_field(echo[i - 2], 0, 5));
     const Number day = read_number(card_field(echo[i - 2], 10, 5));
     ModtranPath path{card_3(0), card_3(1), card_3(2), card_3(3), card_3(4)};
-    path.iparm = iparm.good() ? whole_number(iparm.value, 0, 99).value_or(kNoIparm) : kNoIparm;
+    // Cards 3A1 and 3A2 are of runs with sunlight alone.
+    const bool sunlit = !out.iemsct || *out.iemsct == 2 || *out.iemsct == 4;
+    path.iparm = sunlit && iparm.good() ? whole_number(iparm.value, 0, 99).value_or(kNoIparm) : kNoIparm;
     for (std::size_t field = 0; field < std::size(path.parm); ++field) path.parm[field] = parm(field);
     path.day_of_year = day.good() ? whole_number(day.value, 1, 366).value_or(0) : 0;
     path.time_h = parm(4), path.path_azimuth_deg = parm(5);

@@ -91,7 +91,8 @@ std::optional<Imported> beside(const Imported& file, std::vector<std::string>& n
       Imported found = import_file(path);
       if (tells(found)) return found;
     } catch (const base::Error& error) {
-      notes.push_back(std::string("beside it, and not read: ") + error.what());
+      // A JSON of that name may be anything.
+      if (std::string(end) == ".tp6") notes.push_back(std::string("beside it, and not read: ") + error.what());
     }
   }
   return std::nullopt;

@@ -436,16 +436,21 @@ class UvspecReader {
 
 }  // namespace
 
-Imported read_uvspec(const std::string& path, const std::string& input) {
-  std::string beside = input;
-  if (beside.empty()) {
-    beside = std::filesystem::path(path).replace_extension(".inp").string();
-    if (!std::filesystem::exists(beside))
-      throw base::Error(base::Fault::input,
-                        path + ": uvspec output does not name its levels, angles and units; name its input file (" +
-                            beside + " is not there)");
+std::string uvspec_input_beside(const std::string& path) {
+  for (const char* end : {".inp", ".INP"}) {
+    const std::filesystem::path input = std::filesystem::path(path).replace_extension(end);
+    if (input != path && std::filesystem::exists(input)) return input.string();
   }
-  const UvspecInput in = read_uvspec_input(beside);
+  return {};
+}
+
+Imported read_uvspec(const std::string& path, const std::string& input) {
+  const std::string named = input.empty() ? uvspec_input_beside(path) : input;
+  if (named.empty())
+    throw base::Error(base::Fault::input,
+                      path + ": uvspec output does not name its levels, angles and units; name its input file (" +
+                          std::filesystem::path(path).replace_extension(".inp").string() + " is not there)");
+  const UvspecInput in = read_uvspec_input(named);
   return UvspecReader(path, in).read();
 }
 

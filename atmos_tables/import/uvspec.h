@@ -13,7 +13,11 @@
 
 namespace raycube::atmos::imported {
 
-/// `input`: empty = the .inp of the output's name beside it. One run: a column per quantity, level and direction.
+/// The input of the output's name beside it, ending in .inp or .INP (as libRadtran's examples do); empty where there is
+/// none.
+std::string uvspec_input_beside(const std::string& path);
+
+/// `input`: empty = the one beside it. One run: a column per quantity, level and direction.
 Imported read_uvspec(const std::string& path, const std::string& input = {});
 
 }  // namespace raycube::atmos::imported

@@ -2,6 +2,7 @@
 // of output_user. Oracle: libRadtran's documentation of its options, arithmetic by hand.
 #include "tests/unit/import_kit.h"
 
+#include "atmos_tables/import/import_file.h"
 #include "atmos_tables/import/uvspec.h"
 #include "atmos_tables/import/uvspec_input.h"
 
@@ -64,6 +65,10 @@ TEST_CASE("S20 uvspec: included files, nested, the last word holds; slit functio
   CHECK(holds(refusal([&] { read("include b.inp\n", three, {{"b.inp", "include a.inp\n"}}); }), "include each other"));
   CHECK(holds(refused("include\n"), "a.inp:1: include names no file"));
   CHECK(holds(refused("spline 300 200 1\nsource solar kurudz\n"), "spline needs first and last wavelength"));
+  // Inputs end in .INP where libRadtran's examples do.
+  const TestFolder folder;
+  folder.write("EXAMPLE.INP", "source solar kurudz_1.0nm.dat\n"), folder.write("EXAMPLE.OUT", lines(kFluxes, {"550"}));
+  CHECK(import_file(folder / "EXAMPLE.OUT").format == "uvspec");
   // Wavelengths of a file.
   const Run file = read("source solar kurudz_1.0nm.dat\nspline_file grid.dat\n", lines(kFluxes, {"300.5", "301.25"}),
                         {{"grid.dat", "300.5\n301.25\n"}});
