@@ -164,7 +164,7 @@ ShadowRays TraceRig::sky_rays() const {
   return rays;
 }
 
-const std::string& TraceRig::build_options() const { return state_->stages.options(); }
+std::string TraceRig::build_options() const { return state_->stages.variants().front(); }
 std::string TraceRig::program_hash() const { return state_->stages.program_hash(); }
 std::string TraceRig::device_name() const { return state_->context.device().name(); }
 

@@ -39,7 +39,7 @@ class TraceRig {
   /// NaN where the primary ray missed.
   ShadowRays sky_rays() const;
 
-  const std::string& build_options() const;
+  std::string build_options() const;
   /// SHA-256 of the tracing program's source and options.
   std::string program_hash() const;
   std::string device_name() const;

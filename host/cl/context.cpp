@@ -14,7 +14,7 @@ namespace raycube::cl {
 namespace {
 
 /// Programs that are kept while nobody holds them: those of a few shapes of tiles.
-constexpr std::size_t kMostPrograms = 8;
+constexpr std::size_t kMostPrograms = 12;
 
 }  // namespace
 

@@ -351,9 +351,10 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   const bool apart =
       std::any_of(shots.begin(), shots.end(), [](const lidar::Shot& shot) { return shot.exit_m != shot.pupil_m; });
   s.identity.clear();
-  Stage& stage = s.stage("lidar_shots", tables.options + " -DRC_SHADOWS=" + (apart ? "1" : "0") +
+  Stage& stage = s.stage("lidar_shots", tables.options + tables.air_options + tables.shot_options +
+                                            " -DRC_SHADOWS=" + (apart ? "1" : "0") +
                                             " -DRC_HITS=" + (hits ? "1" : "0") + s.buffers.options);
-  Stage* air_stage = tables.way ? &s.stage("lidar_air", tables.options) : nullptr;
+  Stage* air_stage = tables.way ? &s.stage("lidar_air", tables.options + tables.air_options) : nullptr;
   Stage* beam_stage = tables.way ? &s.stage("lidar_beam", tables.options) : nullptr;
   LidarBeams beams(plan);
   std::vector<shared::rc_float4> tabulated;  ///< beams whose tables are on the device

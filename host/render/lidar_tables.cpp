@@ -77,11 +77,11 @@ void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene
   for (const auto& material : scene.materials) gloss |= material.gloss.number != RC_SHAPE_none;
   const bool shaped = scene::first_shaped(scene) != nullptr;
   if (gloss || shaped) tables.lobes = lidar::pulse_lobes(plan, scene);
-  tables.options +=
+  tables.shot_options +=
       define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
-  if (shaped) tables.options += define("RC_SHAPED", 1);
+  if (shaped) tables.shot_options += define("RC_SHAPED", 1);
   if (const std::uint32_t further = scene::curve_roles(scene) - RC_CURVE_ROLES; further > 0)
-    tables.options += define("RC_FURTHER_RECORDS", further) + define("RC_LOBE_LINES", lines);
+    tables.shot_options += define("RC_FURTHER_RECORDS", further) + define("RC_LOBE_LINES", lines);
 }
 
 void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -92,7 +92,7 @@ void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
       tables.air.push_back(static_cast<float>(depth[i]));
       tables.air.push_back(i + 1 < posts ? static_cast<float>((depth[i + 1] - depth[i]) / plan.air.dz_m) : 0.0f);
     }
-  tables.options += define("RC_AIR", posts ? 1 : 0);
+  tables.air_options += define("RC_AIR", posts ? 1 : 0);
 }
 
 void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
@@ -111,8 +111,9 @@ void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   tables.air_rows = plan.lidar.transport.air_return;
   tables.way_rows = scene.volumes.empty() ? 1 : 2;
   tables.way = particles || (tables.air_rows && !tables.backscatter.empty());
-  tables.options += define("RC_VOLUMES", scene.volumes.size()) + define("RC_STOPPED", tables.way ? 1 : 0) +
-                    define("RC_AIR_RETURN", tables.air_rows && !tables.backscatter.empty() ? 1 : 0);
+  tables.air_options += define("RC_VOLUMES", scene.volumes.size()) +
+                        define("RC_AIR_RETURN", tables.air_rows && !tables.backscatter.empty() ? 1 : 0);
+  tables.shot_options += define("RC_STOPPED", tables.way ? 1 : 0);
 }
 
 void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -124,8 +125,8 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
           i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
   tables.row_pad = padded;
   tables.row_floats = 2 * padded + static_cast<std::size_t>(RC_PADDED(plan.lidar.gate.bins));
-  tables.options +=
-      define("RC_TAPS_PADDED", padded) +
+  tables.options += define("RC_TAPS_PADDED", padded);
+  tables.shot_options +=
       define("RC_ROW_WINDOW", tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple ? kRowWindow : 0);
   tables.stopped_floats =
       tables.owner_rows * tables.row_floats + RC_PADDED(tables.owner_rows / static_cast<std::size_t>(plan.lines()));
@@ -178,14 +179,15 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());
   tables.options = " -cl-std=CL1.2 -DRC_NU=1 -DRC_NV=1 -DRC_SCATTER=1 -DRC_PIXELS_PER_GROUP=1" +
                    define("RC_CHUNK_SAMPLES", tables.chunk) + define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) +
-                   "f" + define("RC_STACK", (scene.stack_bound() + 31) / 32 * 32) +
-                   define("RC_RECEIVER", int{receiver}) + define("RC_LASER_LINES", plan.lines()) +
-                   define("RC_LINE_NODES", plan.nodes.size()) + define("RC_COLUMNS", lidar.receiver.columns) +
-                   define("RC_ROWS", lidar.receiver.rows) + define("RC_RAY_COUNT", rays) +
-                   define("RC_BOUNCES", lidar.transport.max_bounces) + define("RC_SINGLE", int{tables.single}) +
+                   "f" + define("RC_RECEIVER", int{receiver}) + define("RC_LASER_LINES", plan.lines()) +
+                   define("RC_COLUMNS", lidar.receiver.columns) + define("RC_ROWS", lidar.receiver.rows) +
+                   define("RC_RAY_COUNT", rays) + define("RC_SINGLE", int{tables.single}) +
                    define("RC_EXITS", int{exits}) +
                    define("RC_OVERLAP", lidar.transport.overlap == scene::LidarOverlap::exact ? 1 : 0) +
                    define("RC_GAUSSIAN", lidar.pulse.profile == scene::BeamProfile::gaussian ? 1 : 0);
+  tables.air_options = define("RC_LINE_NODES", plan.nodes.size());
+  tables.shot_options =
+      define("RC_STACK", kernel_stack(scene.stack_bound())) + define("RC_BOUNCES", lidar.transport.max_bounces);
   fill_matter(plan, scene, tables);
   fill_air(plan, tables);
   fill_volumes(plan, scene, tables);

@@ -22,7 +22,9 @@ struct LidarTables {
   bool way = false;  ///< air or particles send light back on the way: lidar_air runs
   bool air_rows = false;
   std::size_t way_rows = 1;                 ///< air, and with volumes particles
-  std::string options;                      ///< but what depends on the shots
+  std::string options;                      ///< of lidar_shots, lidar_air and lidar_beam
+  std::string air_options;                  ///< of the first two besides
+  std::string shot_options;                 ///< of lidar_shots besides, but what depends on the shots
   std::size_t row_floats = 0, row_pad = 0;  ///< of a padded row
   std::size_t owner_rows = 0;               ///< of one order of scattering
   std::size_t stopped_floats = 0;           ///< of an owner: rows of rays stopped, rays of every pixel

@@ -16,7 +16,7 @@ constexpr std::size_t kOfItem = 16;  ///< photons that a work-item takes
 
 std::string program_options(const scene::CompiledScene& scene, const SceneBuffers& buffers) {
   const scene::CameraMatter matter = scene::camera_matter(scene);
-  std::string out = "-cl-std=CL1.2 -DRC_STACK=" + std::to_string(scene.stack_bound());
+  std::string out = "-cl-std=CL1.2 -DRC_STACK=" + std::to_string(kernel_stack(scene.stack_bound()));
   if (matter.shaped) out += " -DRC_SHAPED=1";
   if (matter.further_records > 0) out += " -DRC_FURTHER_RECORDS=" + std::to_string(matter.further_records);
   if (matter.through) out += " -DRC_THROUGH=1";

@@ -157,7 +157,7 @@ void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, cons
       .glow_scale = parts ? static_cast<float>(1 / weights_.share_of(rows.subset)) : 1.0f,
       .glow_spread = static_cast<float>(spread_of_draws(shape_.sampler)),
       .skeleton_row = table.skeleton_row(),
-      .skeleton_rows = static_cast<cl_uint>(plan_.bounces.skeleton.size()),
+      .skeleton_rows = shape_.bounces ? static_cast<cl_uint>(plan_.bounces.skeleton.size()) : 0u,
       .term_count = rows.term_count,
       .term_row = rows.term_row,
       .term_weight = rows.term_weight});

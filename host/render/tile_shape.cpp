@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/base/error.h"
+#include "host/render/scene_buffers.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
 
@@ -68,7 +69,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
 }
 
 ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound) {
-  ProgramOptions out{"-cl-std=CL1.2", "-cl-std=CL1.2"};
+  ProgramOptions out{"-cl-std=CL1.2", "", "-cl-std=CL1.2"};
   const auto text = [](const char* name, auto value) {
     return " -D" + std::string(name) + "=" + std::to_string(value);
   };
@@ -92,14 +93,17 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   trace("RC_SAMPLER", static_cast<int>(shape.sampler));
   out.trace += text("RC_SUPPORT", shape.support_px) + "f";
   trace("RC_SCATTER", shape.sampler != scene::SamplerKind::grid || shape.support_px != 1);
-  trace("RC_STACK", static_cast<int>(stack_bound));
+  trace("RC_STACK", static_cast<int>(kernel_stack(stack_bound)));
   trace("RC_MOVING", shape.moving);
-  if (shape.matter.sides() > 1) both("RC_MATERIALS", static_cast<int>(shape.matter.materials));
-  if (shape.lobe_albedo) {
-    both("RC_LOBE_ALBEDO", 1);
-    if (shape.matter.sides() == 1) rows("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  if (shape.bounces) {
+    out.paths = out.trace + text("RC_SKELETON", shape.skeleton_padded()) + text("RC_SUN", shape.sun) +
+                text("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+    if (shape.lobe_albedo) out.paths += text("RC_LOBE_ALBEDO", 1);
+    if (shape.path_steps > 0) out.paths += text("RC_PATH_LOG", 1);
   }
   if (shape.first_opaque) trace("RC_FIRST_OPAQUE", 1);
+  if (shape.matter.sides() > 1 || shape.lobe_albedo) rows("RC_MATERIALS", static_cast<int>(shape.matter.materials));
+  if (shape.lobe_albedo) rows("RC_LOBE_ALBEDO", 1);
   rows("RC_SUN", shape.sun);
   rows("RC_TEMPERATURES", shape.temperatures);
   rows("RC_HEIGHTS", shape.heights);
@@ -111,13 +115,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   rows("RC_CHUNKED", shape.chunked());
   if (shape.covers) rows("RC_COVERS", 1);
   rows("RC_ENVIRONMENT", shape.environment);
-  if (shape.bounces) {
-    both("RC_BOUNCES", 1);
-    both("RC_SKELETON", shape.skeleton_padded());
-    trace("RC_SUN", shape.sun);
-    if (shape.path_steps > 0) trace("RC_PATH_LOG", 1);
-    if (shape.matter.sides() == 1) trace("RC_MATERIALS", static_cast<int>(shape.matter.materials));
-  }
+  rows("RC_SKELETON", std::max(shape.skeleton_padded(), RC_PADDED(1)));  // with few wavelengths as without any
   return out;
 }
 

@@ -81,11 +81,13 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
 
 /// Build options of a camera's programs.
 struct ProgramOptions {
-  std::string trace;  ///< of kernels/entry/trace.cl: rays
+  std::string trace;  ///< of kernels/entry/trace.cl: rays to the first surface and from there to sun, sky and lamps
+  std::string paths;  ///< of kernels/entry/trace_bounce.cl: light between surfaces; empty where there is none
   std::string rows;   ///< of kernels/entry/rows.cl: shading and what follows
 };
 
-/// Both from one list, so that what one program writes the other reads. stack_bound: CompiledScene::stack_bound().
+/// From one list, so that what one program writes the other reads; none has what its kernels do not, since every option
+/// is another compilation. stack_bound: CompiledScene::stack_bound().
 /// Those of the scene's arrays (SceneBuffers::options) are not in it.
 ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound);
 

@@ -68,7 +68,7 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
     for (const auto curve : setup.plan.seen_curves) keys.push_back(rc_key_of(curve));
     timed("bake", [&] { table_.ensure(keys); });
   }
-  statistics_.build_options = trace_stages_.options();
+  statistics_.kernel_variants = trace_stages_.variants();
   statistics_.program_hash = program_hash(trace_stages_, row_stages_);
   statistics_.trace_program_hash = trace_stages_.program_hash();
 }

@@ -63,9 +63,10 @@ struct LampBuffers {
 
 /// trace_bounce and what it reads beside the scene.
 struct PathStage {
-  PathStage(const cl::Context& context, const cl::Program& program, const plan::Plan& plan, const StageShape& shape,
+  PathStage(const cl::Context& context, const std::string& options, const plan::Plan& plan, const StageShape& shape,
             std::optional<sensors::SampleWeights> weights_)
-      : kernel(program, "trace_bounce"),
+      : program(context.program("trace_bounce", kernels::kernel_source("trace_bounce"), options)),
+        kernel(*program, "trace_bounce"),
         scattering(context, plan.bounces.scattering, cl::Access::read_only, "scattering of surfaces"),
         curve(context, plan.bounces.curve, cl::Access::read_only, "curves of the skeleton"),
         albedo(context, plan.thermal.albedo, cl::Access::read_only, "albedos of lobes"),
@@ -85,6 +86,7 @@ struct PathStage {
     loaded_chunk = chunk;
   }
 
+  std::shared_ptr<const cl::Program> program;
   cl::Kernel kernel;
   cl::Buffer<shared::rc_float4> scattering;
   cl::Buffer<float> curve, albedo;
@@ -94,8 +96,8 @@ struct PathStage {
   int loaded_chunk = -1;
 };
 
-std::string identity_of(const std::string& options) {
-  return "trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"));
+std::string identity_of(const char* program, const std::string& options) {
+  return program + ("\n" + options) + "\n" + std::string(kernels::kernel_source(program));
 }
 
 StageShape without_sky(StageShape shape) {
@@ -137,9 +139,10 @@ struct TraceStages::State {
         seed(static_cast<std::uint32_t>(seed_)),
         lowest(static_cast<float>(scene.lo[2])),
         options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
-        identity(identity_of(options)),
+        path_options(program_options(shape_, scene.stack_bound()).paths + buffers_.options),
+        identity(identity_of("trace", options) + (shape_.bounces ? identity_of("trace_bounce", path_options) : "")),
         surfaces_identity(
-            identity_of(program_options(without_sky(shape_), scene.stack_bound()).trace + buffers_.options)),
+            identity_of("trace", program_options(without_sky(shape_), scene.stack_bound()).trace + buffers_.options)),
         program(context_.program("trace", kernels::kernel_source("trace"), options)),
         primary(*program, "trace_primary"),
         surface(*program, "make_surface"),
@@ -150,7 +153,7 @@ struct TraceStages::State {
         open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {
     if (shape.lamps > 0) lamps.emplace(*program, "trace_lamps");
     if (shape.first_opaque) opaque.emplace(*program, "first_opaque");
-    if (shape.bounces) paths.emplace(context, *program, plan, shape, std::move(weights_));
+    if (shape.bounces) paths.emplace(context, path_options, plan, shape, std::move(weights_));
   }
 
   cl_uint first_sample(int chunk) const { return static_cast<cl_uint>(chunk * shape.chunk_samples); }
@@ -306,7 +309,7 @@ struct TraceStages::State {
   StageShape shape;
   std::uint32_t seed, sky_draw = 0;
   float lowest;  ///< z of the scene, m
-  std::string options, identity, surfaces_identity;
+  std::string options, path_options, identity, surfaces_identity;
   std::shared_ptr<const cl::Program> program;
   cl::Kernel primary, surface, sun, sky;
   SkyMapBuffers sky_map;
@@ -332,7 +335,10 @@ std::string TraceStages::program_hash() const { return hash_of(state_->surfaces_
 std::string program_hash(const TraceStages& trace, const RowStages& rows) {
   return hash_of(trace.identity(), rows.identity());
 }
-const std::string& TraceStages::options() const { return state_->options; }
+std::vector<std::string> TraceStages::variants() const {
+  if (!state_->paths) return {state_->options};
+  return {state_->options, state_->path_options};
+}
 
 TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile,
                    int pixels_per_group) {

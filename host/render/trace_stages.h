@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/cl/kernel.h"
 #include "host/render/row_stages.h"
@@ -52,7 +53,8 @@ class TraceStages {
   const std::string& identity() const;
   /// SHA-256 of the same as it is where no ray goes to the sky: what primary and sun rays run.
   std::string program_hash() const;
-  const std::string& options() const;
+  /// Build options of the program of rays, then those of the program of paths where there are any.
+  std::vector<std::string> variants() const;
 
  private:
   struct State;

@@ -64,9 +64,9 @@ struct RenderStatistics {
   std::uint64_t overflow_pixels = 0;    ///< pixels that left the first row capacity
   std::uint64_t per_sample_pixels = 0;  ///< pixels past the largest row
   std::uint32_t terms_p50 = 0, terms_p95 = 0;
-  std::string program_hash;        ///< SHA-256 of source and options of the programs launched
-  std::string trace_program_hash;  ///< of the tracing program alone
-  std::string build_options;
+  std::string program_hash;                  ///< SHA-256 of source and options of the programs launched
+  std::string trace_program_hash;            ///< of the tracing program alone
+  std::vector<std::string> kernel_variants;  ///< build options of what traced, by program
   int tile_lines = 0, tile_columns = 0;
   ReplicateSpread spread;                                 ///< of an image that is a mean of replicates
   std::map<int, std::uint64_t> small_object_pixels;       ///< by samples: rendered anew for small objects

@@ -70,7 +70,7 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.compute_units = static_cast<int>(device.compute_units);
   record.threads = threads > 0 ? threads : static_cast<int>(device.compute_units);
   record.program_hash = statistics.program_hash;
-  record.kernel_variants = {statistics.build_options};
+  record.kernel_variants = statistics.kernel_variants;
   record.samples = job.image().pixels;
   record.lines = job.image().lines;
   record.bands = static_cast<std::int64_t>(job.image().bands.size());

@@ -107,8 +107,8 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
     weights[n++] = rc_sum_of(row, RC_ACCUMULATORS, RC_ACCUMULATORS - 1);
 #endif
   }
-#if RC_BOUNCES
-  /* Light between surfaces: the pixel's own mean over the height nodes stands for where it was scattered last. */
+  /* Light between surfaces, where there is any: the pixel's own mean over the height nodes stands for where it was
+   * scattered last. */
   for (uint row = 0; row < (1u + RC_LAMPS) * skeleton_rows; ++row) {
     const uint m = row / skeleton_rows * RC_SKELETON + row % skeleton_rows;
     float sum = 0.0f;
@@ -123,7 +123,6 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
         weights[n++] = w;
       }
   }
-#endif
   term_count[item] = n;
 }
 

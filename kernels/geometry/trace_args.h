@@ -7,7 +7,7 @@
  *                                                   |-> trace_sky -> met sky -> trace_lamps -> met sky
  *                                                   \-> trace_bounce -> glow
  *
- * Build options (one set for all; a -D that is missing here has the default below):
+ * Build options (one set for all, but that of the last line; a -D that is missing here has the default below):
  *   RC_NU, RC_NV        samples of a pixel along and across the line (whole pixel, not the chunk)
  *   RC_CHUNK_SAMPLES    most samples that one launch handles per pixel; default RC_NU * RC_NV. Smaller for big pixels;
  *                       with the grid sampler a multiple of RC_NU, so that a chunk is whole rows.
@@ -19,12 +19,12 @@
  *   RC_SKY_PLANES       planes of met sky, a multiple of 4
  *   RC_COMPONENTS, RC_THERMAL_COMPONENTS  of the sky, the solar ones first; of them the thermal ones, surroundings last
  *   RC_LAMPS            sources of lamps
- *   RC_STACK            CompiledScene::stack_bound()
+ *   RC_STACK            CompiledScene::stack_bound() or more
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
  *   RC_SHAPED, RC_THROUGH, RC_GLOSSY  what the scene's matter asks for: kernels/shared/tile_layout.h
- *   RC_MATERIALS        how many the scene has
- *   RC_BOUNCES, RC_SKELETON, RC_SUN  whether light comes by paths, wavelengths along them, whether the sun is a source
+ *   RC_SKELETON, RC_SUN, RC_MATERIALS, RC_PATH_LOG  of trace_bounce alone: wavelengths along paths, whether the sun is
+ *                       a source, materials of the scene, whether paths are handed over step by step
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
  * sampler both are multiples of RC_NU.
  *

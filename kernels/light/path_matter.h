@@ -3,13 +3,13 @@
 #ifndef RAYCUBE_KERNELS_LIGHT_PATH_MATTER_H
 #define RAYCUBE_KERNELS_LIGHT_PATH_MATTER_H
 
-#if RC_LAMPS
-#include "kernels/light/lamps.h"
-#endif
 #include "kernels/light/lobe_albedo.h"
 #include "kernels/light/path_ends.h"
 #include "kernels/light/sky_map.h"
 #include "kernels/shared/product_key.h"
+#if RC_LAMPS /* last: a program has each file once, and others here want what these bring */
+#include "kernels/light/lamps.h"
+#endif
 
 /* What a black body at a material's temperature sends beyond one at the surroundings', over the light of all sources
  * together: the role after all others (plan::Bounces::curve). */

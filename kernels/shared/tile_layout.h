@@ -20,7 +20,7 @@
  *                                               sends none. With shapes (RC_SHAPED) open sky counts pi f times. Then
  *                                               that of lamps, by their sources, likewise
  *   glow      float   [RC_PATH_PARTS][1 + RC_LAMPS][RC_SKELETON]  where light goes on from surface to surface
- *                                               (RC_BOUNCES): by part of the samples, what it adds at the skeleton
+ *                                               (trace_bounce): by part of the samples, what it adds at the skeleton
  *                                               wavelengths, per light of sun, skies and heat together, then per
  *                                               light of each source of lamps; the parts' sum is the pixel's
  *   path_log  PathStep  [numbered path][levels + 1]  where a probe asks for it (RC_PATH_LOG)
@@ -155,9 +155,6 @@
 #endif
 #ifndef RC_FIRST_OPAQUE
 #define RC_FIRST_OPAQUE 0 /* 1: what is opaque behind leaves and plates is asked for */
-#endif
-#ifndef RC_BOUNCES
-#define RC_BOUNCES 0 /* 1: light comes by surfaces after the first */
 #endif
 #ifndef RC_SKELETON
 #define RC_SKELETON 16 /* wavelengths along paths, whole words; asked for where there are bounces */
