@@ -2,9 +2,9 @@
 # docs/stability.md).
 if(NOT RAYCUBE_FUZZ)
   add_executable(fuzz_replay fuzz/replay_main.cpp fuzz/targets.cpp)
-  target_link_libraries(fuzz_replay PRIVATE raycube_warnings raycube::scene_compiler raycube_products
-    raycube::atmos_import raycube::atmos_lines)
-  set_target_properties(fuzz_replay PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  raycube_test_code(fuzz_replay)
+  target_link_libraries(fuzz_replay PRIVATE raycube::scene_compiler raycube_products raycube::atmos_import
+    raycube::atmos_lines)
   add_test(NAME fuzz_corpora COMMAND fuzz_replay ${CMAKE_CURRENT_LIST_DIR}/fuzz/corpus)
   set_tests_properties(fuzz_corpora PROPERTIES LABELS fast)
   return()

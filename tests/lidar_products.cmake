@@ -2,8 +2,8 @@
 raycube_test(lidar_las_unit SOURCES unit/lidar_las_test.cpp LIBS raycube_products LABELS fast)
 raycube_test(lidar_time_cube SOURCES cross/lidar_time_cube_test.cpp LIBS raycube_products GDAL::GDAL LABELS fast)
 add_executable(las_samples ${CMAKE_CURRENT_LIST_DIR}/support/las_samples.cpp)
-target_link_libraries(las_samples PRIVATE raycube_warnings raycube_products nlohmann_json::nlohmann_json)
-set_target_properties(las_samples PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+raycube_test_code(las_samples)
+target_link_libraries(las_samples PRIVATE raycube_products nlohmann_json::nlohmann_json)
 add_test(NAME lidar_las COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_las_test.py
   $<TARGET_FILE:las_samples> $<TARGET_FILE:raycube>)
 set_tests_properties(lidar_las PROPERTIES LABELS fast)
@@ -16,9 +16,9 @@ add_test(NAME lidar_laspy COMMAND sh -c
 set_tests_properties(lidar_laspy PROPERTIES LABELS fast SKIP_RETURN_CODE 77)
 # What `render` leaves of a run, without a device.
 add_executable(lidar_run_samples ${CMAKE_CURRENT_LIST_DIR}/support/lidar_run_samples.cpp)
-target_link_libraries(lidar_run_samples PRIVATE raycube_warnings raycube_lidar_support raycube::run fmt::fmt
+raycube_test_code(lidar_run_samples)
+target_link_libraries(lidar_run_samples PRIVATE raycube_lidar_support raycube::run fmt::fmt
   nlohmann_json::nlohmann_json)
-set_target_properties(lidar_run_samples PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
 add_test(NAME lidar_products COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_products_test.py
   $<TARGET_FILE:lidar_run_samples> $<TARGET_FILE:raycube>)
 set_tests_properties(lidar_products PROPERTIES LABELS fast ENVIRONMENT RAYCUBE_DATA=${CMAKE_BINARY_DIR}/share/raycube)
