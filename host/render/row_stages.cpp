@@ -149,6 +149,7 @@ void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, cons
       .path_x_step = plan_.path_x.step,
       .path_y_first = plan_.path_y.first,
       .path_y_step = plan_.path_y.step,
+      .environment_nodes = shape_.environment ? cl_uint{RC_ENVIRONMENT_NODES} : 0u,
       .environment_row = rows.environment_row,
       .environment_weight = rows.environment_weight,
       .glow = traced.glow,
@@ -174,6 +175,7 @@ void RowStages::integrate(std::uint32_t first_item, std::uint32_t item_count, co
                                                .term_count = rows.term_count,
                                                .term_row = rows.term_row,
                                                .term_weight = rows.term_weight,
+                                               .words = static_cast<cl_uint>(shape_.bands_padded / RC_WORD),
                                                .table = table.values(),
                                                .radiance = radiance});
   context_.launch(integrate_, item_count);

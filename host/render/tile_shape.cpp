@@ -111,10 +111,8 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   rows("RC_PATH_X", shape.path_x);
   rows("RC_PATH_Y", shape.path_y);
   rows("RC_CHANNELS", shape.channels);
-  rows("RC_BANDS_PADDED", shape.bands_padded);
   rows("RC_CHUNKED", shape.chunked());
   if (shape.covers) rows("RC_COVERS", 1);
-  rows("RC_ENVIRONMENT", shape.environment);
   rows("RC_SKELETON", std::max(shape.skeleton_padded(), RC_PADDED(1)));  // with few wavelengths as without any
   return out;
 }

@@ -15,8 +15,6 @@
 #define STORE16(value, address) (*(address) = (value))
 #endif
 
-#define VECTORS (RC_BANDS_PADDED / 16)
-
 RC_BODY integrate_bands_body(uint index, RC_PARAMETERS(RC_INTEGRATE_BANDS_ARGUMENTS)) {
   const uint item = first_item + index;
   if (item >= first_item + item_count) return;
@@ -25,13 +23,13 @@ RC_BODY integrate_bands_body(uint index, RC_PARAMETERS(RC_INTEGRATE_BANDS_ARGUME
   __global const uint* rows = term_row + (size_t)item * term_capacity;
   __global const float* weights = term_weight + (size_t)item * term_capacity;
   __global const float16* baked = (__global const float16*)table;
-  __global float16* out = (__global float16*)radiance + (size_t)pixel * VECTORS;
+  __global float16* out = (__global float16*)radiance + (size_t)pixel * words;
   uint b = 0;
   /* Four band vectors at a time: four independent chains hide the latency of the multiply-add. */
-  for (; b + 4 <= VECTORS; b += 4) {
+  for (; b + 4 <= words; b += 4) {
     float16 l0 = 0.0f, l1 = 0.0f, l2 = 0.0f, l3 = 0.0f;
     for (uint t = 0; t < terms; ++t) {
-      __global const float16* e = baked + (size_t)rows[t] * VECTORS + b;
+      __global const float16* e = baked + (size_t)rows[t] * words + b;
       const float16 w = weights[t];
       l0 = fma(w, e[0], l0);
       l1 = fma(w, e[1], l1);
@@ -43,9 +41,9 @@ RC_BODY integrate_bands_body(uint index, RC_PARAMETERS(RC_INTEGRATE_BANDS_ARGUME
     STORE16(l2, out + b + 2);
     STORE16(l3, out + b + 3);
   }
-  for (; b < VECTORS; ++b) {
+  for (; b < words; ++b) {
     float16 sum = 0.0f;
-    for (uint t = 0; t < terms; ++t) sum = fma((float16)(weights[t]), baked[(size_t)rows[t] * VECTORS + b], sum);
+    for (uint t = 0; t < terms; ++t) sum = fma((float16)(weights[t]), baked[(size_t)rows[t] * words + b], sum);
     STORE16(sum, out + b);
   }
 }

@@ -65,10 +65,9 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
         weights[n++] = w;
       }
   }
-#if RC_ENVIRONMENT
   /* Light of the ground around: it reaches the sensor beside the direct path, so every sample has it, as path radiance.
    * */
-  for (int node = 0; node < RC_ENVIRONMENT_NODES; ++node) {
+  for (uint node = 0; node < environment_nodes; ++node) {
     const float share = environment_weight[item * RC_ENVIRONMENT_NODES + node];
     if (share == 0.0f) continue;
     const uint base = environment_row[item * RC_ENVIRONMENT_NODES + node] * RC_CHANNELS;
@@ -82,7 +81,6 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
       }
     }
   }
-#endif
   /* Keys ascending: each time the smallest key above the last one. Rows are short. */
   ulong last = 0ul;
   for (uint used = 0; used < keys_used; ++used) {

@@ -202,6 +202,7 @@
   VALUE(rc_float, path_x_step) NEXT() \
   VALUE(rc_float, path_y_first) NEXT() \
   VALUE(rc_float, path_y_step) NEXT() \
+  VALUE(rc_uint, environment_nodes) NEXT() /* RC_ENVIRONMENT_NODES; 0: no light of the ground around joins */ \
   READ(rc_uint, environment_row) NEXT() /* [item][RC_ENVIRONMENT_NODES], as the next */ \
   READ(rc_float, environment_weight) NEXT() \
   READ(rc_float, glow) NEXT() \
@@ -223,8 +224,9 @@
   READ(rc_uint, term_count) NEXT() \
   READ(rc_uint, term_row) NEXT() \
   READ(rc_float, term_weight) NEXT() \
-  READ(rc_float, table) NEXT()        /* [row][RC_CHANNELS][RC_BANDS_PADDED] */ \
-  WRITE(rc_float, radiance)         /* [pixel][RC_BANDS_PADDED] */
+  VALUE(rc_uint, words) NEXT()        /* of 16 bands, the last one padded */ \
+  READ(rc_float, table) NEXT()        /* [row][RC_CHANNELS][words][16] */ \
+  WRITE(rc_float, radiance)         /* [pixel][words][16] */
 /* clang-format on */
 
 #endif

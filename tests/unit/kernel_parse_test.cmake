@@ -44,8 +44,7 @@ endif()
 message("parsing with ${clangs}")
 
 set(rows -DRC_CHUNK_SAMPLES=121 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -DRC_PATH_X=2 -DRC_PATH_Y=2
-  -DRC_CHANNELS=9
-  -DRC_BANDS_PADDED=368 -DRC_PIXELS_PER_GROUP=4)
+  -DRC_CHANNELS=9 -DRC_PIXELS_PER_GROUP=4)
 set(failures "")
 foreach(packed IN ITEMS
     "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace.cl

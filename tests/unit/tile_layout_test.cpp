@@ -121,6 +121,7 @@ TEST_CASE("argument lists: those of another kernel are refused") {
                                                 .term_count = counts,
                                                 .term_row = counts,
                                                 .term_weight = numbers,
+                                                .words = 1u,
                                                 .table = numbers,
                                                 .radiance = radiance};
     CHECK_THROWS_WITH_AS(kernel.arguments(other),
