@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -20,6 +22,11 @@ const std::vector<double> kViewZeniths = {0, 10, 20, 30, 40, 50, 60, 70, 80};
 const std::vector<double> kViewAzimuths = {0, 30, 60, 90, 120, 150, 180};
 const std::vector<double> kSkyZeniths = {0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 84, 87, 89, 90};
 const std::vector<double> kSkyAzimuths = {0, 10, 20, 30, 50, 70, 90, 120, 150, 180};
+
+/// The user's, or the model's own.
+const std::vector<double>& view_zeniths_of(const scene::AtmosphereSpec& spec) {
+  return spec.view_zenith_deg.empty() ? kViewZeniths : spec.view_zenith_deg;
+}
 
 /// Nodes and weights of Gauss-Legendre quadrature on [0, 1].
 struct Quadrature {
@@ -54,8 +61,10 @@ std::vector<double> scattering_angles() {
   return out;
 }
 
-std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun) {
+std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
+                       const std::optional<std::string>& notice) {
   nlohmann::json j;
+  if (notice) j["notices"] = {*notice};
   j["model"] = "raycube built-in clear sky";
   j["sources"] = {"Bird & Riordan 1986 (gases, diffuse irradiance)", "Bodhaine et al. 1999 (Rayleigh)",
                   "Henyey & Greenstein 1941 (aerosol phase)", "Lacis & Hansen 1974 (ozone profile)", "Spencer 1971"};
@@ -89,6 +98,7 @@ std::vector<double> with_sensor(std::vector<double> heights_m, double sensor_hei
 
 /// Straight paths through the air that all wavelengths share, and what the sun's path down to each level crosses.
 struct SkyGeometry {
+  std::vector<double> view_zeniths;
   bool day;
   double cos_sun;  ///< 0 at night
   AirColumn air;
@@ -99,7 +109,8 @@ struct SkyGeometry {
 
   SkyGeometry(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
               const std::vector<double>& target_height_m, const Quadrature& quadrature)
-      : day(sun.zenith_deg < 90),
+      : view_zeniths(view_zeniths_of(spec)),
+        day(sun.zenith_deg < 90),
         cos_sun(day ? std::cos(base::rad_by_division(sun.zenith_deg)) : 0),
         air(with_sensor(target_height_m, sensor_height_m), spec.ground_height_m),
         top(air.layers()),
@@ -107,7 +118,7 @@ struct SkyGeometry {
     const std::size_t sensor = air.level_of(sensor_height_m);
     for (const double height_m : target_height_m) {
       const std::size_t from = level.emplace_back(air.level_of(height_m));
-      for (double zenith : kViewZeniths)
+      for (double zenith : view_zeniths)
         view_paths.push_back(make_path(air, from, sensor, zenith, false, spec.asymmetry));
       for (double zenith : kSkyZeniths) sky_paths.push_back(make_path(air, from, top, zenith, true, spec.asymmetry));
       for (double mu : quadrature.node)
@@ -223,7 +234,7 @@ class SkyLine {
   void fill_view(const SkyRows& rows, std::size_t h, std::size_t at) const {
     const ColumnShare& sun_path = geometry_.sun_share[geometry_.level[h]];
     const double sun_gas = wave_.gas_depth(sun_path);
-    const std::size_t views = kViewZeniths.size(), azimuths = kViewAzimuths.size();
+    const std::size_t views = geometry_.view_zeniths.size(), azimuths = kViewAzimuths.size();
     for (std::size_t v = 0; v < views; ++v) {
       const Path& path = geometry_.view_paths[h * views + v];
       const double view_gas = wave_.gas_depth(path.share), depth = wave_.scatter_depth(path.share) + view_gas;
@@ -234,7 +245,7 @@ class SkyLine {
       const WaveColumn::Single single = wave_.single(path);
       const double diffuse = wave_.scattered_diffuse(path, fluxes_);
       for (std::size_t z = 0; z < azimuths; ++z) {
-        const double c = scattering_cosine(geometry_.cos_sun, kViewZeniths[v], kViewAzimuths[z], false);
+        const double c = scattering_cosine(geometry_.cos_sun, geometry_.view_zeniths[v], kViewAzimuths[z], false);
         rows.l_path.values[(at * views + v) * azimuths + z] =
             static_cast<float>(e0_ * (once_scattered(single, c) + diffuse));
       }
@@ -310,9 +321,10 @@ RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun&
                             const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
   check_clear_sky(spec, sun, sensor_height_m, wavelength_um, target_height_m);
 
-  RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
-  table.provenance_json = provenance(spec, sun);
-  add_axis(table, "view_zenith", kViewZeniths);
+  const SolarSpectrum solar(spec.solar);
+  RenderTable table = sunlit_table(solar, sun, sensor_height_m, wavelength_um, target_height_m);
+  table.provenance_json = provenance(spec, sun, solar.notice(wavelength_um.front(), wavelength_um.back()));
+  add_axis(table, "view_zenith", view_zeniths_of(spec));
   add_axis(table, "relative_azimuth", kViewAzimuths);
   add_axis(table, "sky_zenith", kSkyZeniths);
   add_axis(table, "sky_azimuth", kSkyAzimuths);

@@ -27,7 +27,7 @@ inline constexpr double kVacuumLast_um = 1000;
 /// No air: every transmission is exactly 1, sky and path radiance exactly 0, which is the physics of vacuum.
 /// 0.3 to 1000 um: from where the sun's spectrum is known; what surfaces emit is not the table's to say.
 RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
-                         const std::vector<double>& target_height_m);
+                         const std::vector<double>& target_height_m, const scene::SolarSpectrumSpec& spectrum = {});
 
 /// What a simulation names: the file, no air, or the clear sky. A table read from a file must fit the sun (0.01 deg)
 /// and the sensor height (0.1 m) asked for.

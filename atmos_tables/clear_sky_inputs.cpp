@@ -12,7 +12,6 @@
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/moon.h"
 #include "atmos_tables/rct_file.h"
-#include "atmos_tables/solar_spectrum.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
 #include "host/base/units.h"
@@ -21,7 +20,10 @@ namespace raycube::atmos {
 
 namespace {
 
-constexpr double kLastMoon_um = 30;  ///< its albedo is constant from 5 um on
+/// A node speaks for at most this part of its wavelength on either side: further apart, nodes are samples.
+constexpr double kWidestHalf = 0.05;
+constexpr double kLastViewZenith_deg = 89.9;  ///< of the table's axis
+constexpr double kLastMoon_um = 30;           ///< its albedo is constant from 5 um on
 
 std::string json_number(double value) {
   return std::isfinite(value) ? nlohmann::json(value).dump() : "not a finite number";
@@ -101,6 +103,8 @@ void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, d
   check_sun(problems, sun);
   check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kClearSkyLast_um);
   problems.throw_if_any();
+  check_view_zeniths(spec.view_zenith_deg);
+  static_cast<void>(SolarSpectrum(spec.solar));  // refuses what it cannot take
 }
 
 void check_table_request(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
@@ -108,6 +112,24 @@ void check_table_request(const scene::Sun& sun, double sensor_height_m, const st
   base::Problems problems;
   check_sun(problems, sun);
   check_grid(problems, sensor_height_m, wavelength_um, target_height_m, first_um, last_um);
+  problems.throw_if_any();
+}
+
+void check_view_zeniths(const std::vector<double>& view_zenith_deg) {
+  base::Problems problems;
+  const base::Where where{"", 0, 0, "atmosphere view zeniths"};
+  if (view_zenith_deg.size() == 1)
+    problems.add(where, "must be two or more: a table of one says that the air is the same along all paths",
+                 json_number(view_zenith_deg[0]) + " deg", "add the others that will be looked along");
+  for (std::size_t i = 0; i < view_zenith_deg.size(); ++i) {
+    const double angle = view_zenith_deg[i];
+    if (!(angle >= 0 && angle <= kLastViewZenith_deg))
+      problems.add(where, "must lie in 0 to " + json_number(kLastViewZenith_deg) + " deg", json_number(angle),
+                   "correct the angle");
+    if (i > 0 && !(angle > view_zenith_deg[i - 1]))
+      problems.add(where, "must ascend strictly", json_number(view_zenith_deg[i - 1]) + " then " + json_number(angle),
+                   "sort them and remove doubles");
+  }
   problems.throw_if_any();
 }
 
@@ -123,12 +145,21 @@ std::optional<std::string> no_light_notice(const scene::AtmosphereSpec& spec, co
               : "");
 }
 
-RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
-                         const std::vector<double>& target_height_m) {
+NodeSpan node_span(const std::vector<double>& wavelength_um, std::size_t i) {
+  const double here = wavelength_um[i], widest = kWidestHalf * here;
+  const bool last = i + 1 == wavelength_um.size();
+  double below = i > 0 ? std::min(0.5 * (here - wavelength_um[i - 1]), widest) : 0;
+  double above = last ? 0 : std::min(0.5 * (wavelength_um[i + 1] - here), widest);
+  if (i == 0) below = above;
+  if (last) above = below;
+  return {here - below, here + above};
+}
+
+RenderTable sunlit_table(const SolarSpectrum& solar, const scene::Sun& sun, double sensor_height_m,
+                         const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
   RenderTable table;
   const bool moon = sun.moon_phase_deg >= 0;
-  const std::string source =
-      moon ? moon_source_name() + ", of sunlight by " + solar_source_name() : solar_source_name();
+  const std::string source = moon ? moon_source_name() + ", of sunlight by " + solar.source() : solar.source();
   table.solar_source = source;
   table.sun_zenith_deg = sun.zenith_deg;
   table.sun_azimuth_deg = sun.azimuth_deg;
@@ -137,10 +168,13 @@ RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const st
   add_axis(table, "target_height", target_height_m);
   Row& e0 = add_row(table, "solar_irradiance", source + ", times Spencer's earth-sun factor");
   const double factor = earth_sun_factor(sun.day_of_year);
-  for (std::size_t i = 0; i < wavelength_um.size(); ++i)
-    e0.values[i] =
-        static_cast<float>(factor * solar_irradiance_1au(wavelength_um[i]) *
-                           (moon ? moon_over_sun(sun.moon_phase_deg, std::min(wavelength_um[i], kLastMoon_um)) : 1.0));
+  for (std::size_t i = 0; i < wavelength_um.size(); ++i) {
+    const NodeSpan span = node_span(wavelength_um, i);
+    const double at_1au =
+        solar.is_file() ? solar.mean_1au(span.from_um, span.to_um) : solar.irradiance_1au(wavelength_um[i]);
+    e0.values[i] = static_cast<float>(
+        factor * at_1au * (moon ? moon_over_sun(sun.moon_phase_deg, std::min(wavelength_um[i], kLastMoon_um)) : 1.0));
+  }
   return table;
 }
 
@@ -209,14 +243,17 @@ std::vector<double> clear_sky_heights(double low_m, double high_m) {
 }
 
 RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
-                         const std::vector<double>& target_height_m) {
+                         const std::vector<double>& target_height_m, const scene::SolarSpectrumSpec& spectrum) {
   base::Problems problems;
   check_sun(problems, sun);
   check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kVacuumLast_um,
              "model = \"none\"");
   problems.throw_if_any();
-  RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
-  table.provenance_json = R"({"model":"vacuum","sources":["no air: transmission 1, sky and path radiance 0"]})";
+  const SolarSpectrum solar(spectrum);
+  RenderTable table = sunlit_table(solar, sun, sensor_height_m, wavelength_um, target_height_m);
+  nlohmann::json provenance = {{"model", "vacuum"}, {"sources", {"no air: transmission 1, sky and path radiance 0"}}};
+  if (const auto notice = solar.notice(wavelength_um.front(), wavelength_um.back())) provenance["notices"] = {*notice};
+  table.provenance_json = provenance.dump();
   for (const char* name : {"view_zenith", "relative_azimuth", "sky_zenith", "sky_azimuth"})
     add_axis(table, name, {0.0});
   for (const char* name : {"sun_transmission", "view_transmission", "two_way_factor"}) {
@@ -236,7 +273,7 @@ RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const st
 
 RenderTable make_table(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
                        const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
-  if (spec.none) return vacuum_table(sun, sensor_height_m, wavelength_um, target_height_m);
+  if (spec.none) return vacuum_table(sun, sensor_height_m, wavelength_um, target_height_m, spec.solar);
   if (spec.table_file.empty()) return build_clear_sky(spec, sun, sensor_height_m, wavelength_um, target_height_m);
   RenderTable table = read_rct(spec.table_file);
   base::Problems problems;

@@ -2,11 +2,13 @@
 // sun's light.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "atmos_tables/solar_spectrum.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::atmos {
@@ -18,6 +20,9 @@ void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, d
 /// The part of it that holds for any built table: sun, sensor, wavelengths within first_um..last_um, heights.
 void check_table_request(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m, double first_um, double last_um);
+
+/// Of a user's view zeniths: what breaks their rule, two or more, ascending, within 0..89.9 deg.
+void check_view_zeniths(const std::vector<double>& view_zenith_deg);
 
 /// What a user should know of an instrument that begins at `first_um` and looks at reflected light under a sun or moon
 /// below the horizon: it is dark, since the built-in models have no twilight. Nothing where light is up, thermal alone,
@@ -31,8 +36,16 @@ struct WavelengthSpan {
 /// Appends the span's part that lies within first_um..last_um, from the part's own beginning on.
 void add_steps(std::vector<double>& wavelength_um, double first_um, double last_um, const WavelengthSpan& span);
 
-/// Wavelength and height axes and the row solar_irradiance.
-RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
-                         const std::vector<double>& target_height_m);
+/// The stretch that a wavelength node stands for: half way to its neighbours but at most 5 % away; the outer ones are
+/// symmetrical, one node alone is a point.
+struct NodeSpan {
+  double from_um, to_um;
+};
+NodeSpan node_span(const std::vector<double>& wavelength_um, std::size_t i);
+
+/// Wavelength and height axes and the row solar_irradiance: of a shipped spectrum, which is an average already, the
+/// values at the nodes; of a file's the means over their spans.
+RenderTable sunlit_table(const SolarSpectrum& solar, const scene::Sun& sun, double sensor_height_m,
+                         const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
 
 }  // namespace raycube::atmos

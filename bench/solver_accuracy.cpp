@@ -82,7 +82,7 @@ Rows fill(const scene::AirSpec& air, const std::vector<SpectralBin>& bins, bool 
   out.layers = stack.layers(), out.wavelengths = bins.size();
   out.cpu_ms = std::numeric_limits<double>::infinity();
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    out.table = sunlit_table(sun(), kSensor_m, wavelength_um, {0});
+    out.table = sunlit_table(SolarSpectrum(), sun(), kSensor_m, wavelength_um, {0});
     const BinRows rows(out.table, geometry, thermal);
     const double begin = cpu_s();
     for (std::size_t i = 0; i < bins.size(); ++i)

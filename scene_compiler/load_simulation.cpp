@@ -13,8 +13,10 @@
 #include "scene_compiler/lamp_builder.h"
 #include "scene_compiler/lidar_builder.h"
 #include "scene_compiler/measure_builder.h"
+#include "scene_compiler/own_aerosol_builder.h"
 #include "scene_compiler/placed_box.h"
 #include "scene_compiler/scene_builder.h"
+#include "scene_compiler/solar_file.h"
 #include "scene_compiler/sun_position.h"
 
 namespace raycube::scene {
@@ -23,9 +25,9 @@ namespace {
 using base::Problems;
 
 constexpr const char* kLayeredKeys[] = {
-    "profile",  "profile_file",     "co2_ppmv", "ch4_ppmv",      "aerosol",        "visibility_km", "humidity_percent",
-    "season",   "stratosphere",     "wind_m_s", "cloud",         "gas_bands",      "streams",       "k_terms",
-    "layering", "spectral_step_nm", "lines",    "line_wing_cm1", "partition_sums", "cross_section"};
+    "profile", "profile_file", "co2_ppmv",         "ch4_ppmv", "aerosol",       "visibility_km",  "humidity_percent",
+    "season",  "stratosphere", "wind_m_s",         "cloud",    "own_aerosol",   "gas_bands",      "streams",
+    "k_terms", "layering",     "spectral_step_nm", "lines",    "line_wing_cm1", "partition_sums", "cross_section"};
 /// Of both models; pressure_hPa and ground_height_m say where the ground lies, with a table too.
 constexpr const char* kColumnKeys[] = {"water_g_cm2", "ozone_atm_cm", "aod_550"};
 constexpr const char* kClearSkyKeys[] = {"angstrom", "ssa", "asymmetry", "ground_albedo"};
@@ -42,14 +44,18 @@ void refuse_keys(const Record& record, const char* const (&keys)[N], const char*
                    value_text(record, key), "remove it, or choose that model");
 }
 
-/// What says how much aerosol there is, or of what kind, says nothing of none. A depth of 0 is no
-/// contradiction.
+/// What says how much aerosol there is, or of what kind, says nothing of none, nor of the user's own. A depth of 0 is
+/// no contradiction.
 void refuse_amounts_of_none(const Record& record, Problems& problems) {
+  const bool own = !record.records("own_aerosol").empty();
   for (const char* key : {"aod_550", "visibility_km", "humidity_percent", "season", "stratosphere", "wind_m_s"})
     if (record.given(key) && !(std::string(key) == "aod_550" && record.number(key) == 0))
-      problems.add(record.place(key),
-                   std::string("'") + key + "' belongs to an aerosol, and aerosol = \"none\" holds none at any height",
-                   "", "remove it, or name an aerosol");
+      problems.add(
+          record.place(key),
+          std::string("'") + key +
+              (own ? "' belongs to a shipped aerosol, and there are those of [[atmosphere.own_aerosol]] alone"
+                   : "' belongs to an aerosol, and aerosol = \"none\" holds none at any height"),
+          "", own ? "remove it (each has its own optical_depth), or name an aerosol" : "remove it, or name an aerosol");
 }
 
 AirSpec read_layered(const Record& record, Problems& problems) {
@@ -69,7 +75,9 @@ AirSpec read_layered(const Record& record, Problems& problems) {
   if (record.given("aod_550") && record.given("visibility_km"))
     problems.add(record.place("aod_550"), "'aod_550' and 'visibility_km' exclude each other", "both", "remove one");
   air.visibility_km = record.number("visibility_km");
-  air.aerosol = record.text("aerosol");
+  air.own_aerosols = read_own_aerosols(record, problems);
+  // A user's own are all there are, unless one of the shipped is named too.
+  air.aerosol = !air.own_aerosols.empty() && !record.given("aerosol") ? "none" : record.text("aerosol");
   if (air.aerosol == "none") refuse_amounts_of_none(record, problems);
   if (air.aerosol != "none" && air.aerosol != "desert" && record.given("wind_m_s"))
     problems.add(record.place("wind_m_s"), "'wind_m_s' raises the desert aerosol alone",
@@ -112,6 +120,18 @@ AirSpec read_layered(const Record& record, Problems& problems) {
   return air;
 }
 
+SolarSpectrumSpec read_solar(const Record& record, Problems& problems) {
+  SolarSpectrumSpec out;
+  out.name = record.text("solar_spectrum");
+  if (!record.given("solar_spectrum_file")) return out;
+  if (record.given("solar_spectrum"))
+    problems.add(record.place("solar_spectrum"), "'solar_spectrum' and 'solar_spectrum_file' exclude each other",
+                 "both", "remove one");
+  const auto file =
+      read_solar_spectrum(record.text("solar_spectrum_file"), record.place("solar_spectrum_file"), problems);
+  return file.value_or(out);
+}
+
 AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const std::string& asked, Problems& problems) {
   AtmosphereSpec out;
   out.ground_height_m = origin.height_m;
@@ -136,7 +156,7 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const s
     refuse_columns("would shape a model's air, and 'tables' holds its own");
   else if (out.none)
     refuse_columns("says something of air, and model = \"none\" has none");
-  for (const char* key : {"pressure_hPa", "adjacency"})
+  for (const char* key : {"pressure_hPa", "view_zenith_deg", "adjacency"})
     if (out.none && record->given(key) && !(std::string(key) == "adjacency" && record->text(key) == "off"))
       problems.add(record->place(key),
                    std::string("'") + key + "' says something of air, and model = \"none\" has none", "", "remove it");
@@ -157,6 +177,14 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const s
   out.ssa = record->number("ssa");
   out.asymmetry = record->number("asymmetry");
   out.ground_albedo = record->number("ground_albedo");
+  if (table)
+    for (const char* key : {"view_zenith_deg", "solar_spectrum", "solar_spectrum_file"})
+      if (record->given(key))
+        problems.add(record->place(key),
+                     std::string("'") + key + "' is for a table that is built, and 'tables' holds one", "",
+                     "remove it");
+  out.solar = read_solar(*record, problems);
+  out.view_zenith_deg = record->numbers("view_zenith_deg");
   if (record->given("adjacency")) {
     const std::string adjacency = record->text("adjacency");
     out.adjacency = adjacency == "local" ? Adjacency::local : adjacency == "mean" ? Adjacency::mean : Adjacency::off;

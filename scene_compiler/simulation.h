@@ -140,7 +140,7 @@ struct Sun {
 /// Light between ground and air; automatic: local where the table has the rows, else off.
 enum class Adjacency { automatic, local, mean, off };
 
-/// A cloud or fog that covers the whole sky; air_spec.def has the fields of this and the next two. Heights
+/// A cloud or fog that covers the whole sky; air_spec.def has the fields of this and the next three. Heights
 /// above the sea.
 struct CloudSpec {
 #define RC_CLOUD(type, name, fallback, text) type name = fallback;
@@ -154,11 +154,24 @@ struct CrossSectionSpec {
 #include "scene_compiler/air_spec.def"
 };
 
+/// An aerosol of the user's own, its files read.
+struct OwnAerosolSpec {
+#define RC_OWN_AEROSOL(type, name, fallback, text) type name = fallback;
+#include "scene_compiler/air_spec.def"
+};
+
 /// The air of the layered model.
 struct AirSpec {
 #define RC_AIR(type, name, fallback, text) type name = fallback;
 #define RC_AIR_FILE(name, text) std::string name;
 #include "scene_compiler/air_spec.def"
+};
+
+/// The sun's spectrum above the air at 1 AU: a shipped one by its name (atmos_tables/solar_spectrum.h), or a file's.
+struct SolarSpectrumSpec {
+  std::string name = "tsis1";         ///< of a file: its path
+  std::vector<double> wavelength_um;  ///< vacuum, ascending; empty: the shipped one
+  std::vector<double> irradiance;     ///< W m-2 um-1, one for each
 };
 
 /// Parameters of the built-in clear-sky model, or the file of an imported table.
@@ -174,8 +187,11 @@ struct AtmosphereSpec {
   double asymmetry = 0.65;
   double ground_albedo = 0.0;  ///< for the sky's ground-reflected part
   Adjacency adjacency = Adjacency::automatic;
-  bool none = false;               ///< no air: T = 1, no sky, no path radiance (tests, laboratories)
-  std::optional<AirSpec> layered;  ///< the layered model; of the fields above it uses ground_height_m alone
+  bool none = false;  ///< no air: T = 1, no sky, no path radiance (tests, laboratories)
+  SolarSpectrumSpec solar;
+  std::vector<double> view_zenith_deg;  ///< nodes of a built table, ascending; empty: the model's own
+  std::optional<AirSpec>
+      layered;  ///< the layered model; of the fields above it uses ground, sun and view zeniths alone
 };
 
 /// What the user fixes of a plan; 0: the plan's own choice, by the tolerance. docs/accuracy.md has what each costs.

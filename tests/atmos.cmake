@@ -3,6 +3,9 @@ raycube_test(atmos_physics SOURCES oracle/atmos_scatter_test.cpp oracle/bird_rio
 raycube_test(atmos_interpolate SOURCES unit/atmos_interpolate_test.cpp LIBS raycube::atmos_tables LABELS fast)
 raycube_test(atmos_clear_sky SOURCES oracle/clear_sky_test.cpp oracle/clear_sky_anchor_test.cpp LIBS
   raycube_anchor_rows raycube::atmos_tables LABELS fast)
+raycube_test(solar_choice SOURCES oracle/solar_choice_test.cpp LIBS raycube::atmos_compiler
+  nlohmann_json::nlohmann_json LABELS fast)
+raycube_test(view_zenith SOURCES oracle/view_zenith_test.cpp LIBS raycube::atmos_compiler LABELS fast)
 raycube_test(atmos_rct_file SOURCES unit/rct_file_test.cpp LIBS raycube::atmos_tables nlohmann_json::nlohmann_json
   LABELS fast)
 target_compile_definitions(test_atmos_rct_file PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include "atmos_tables/aerosol/aerosol_heights.h"
+#include "atmos_tables/aerosol/own_aerosol.h"
 #include "atmos_tables/optics/profile_scaling.h"
 #include "host/base/error.h"
 
@@ -88,6 +90,7 @@ AerosolColumn::AerosolColumn(const AerosolSpec& spec, const AirProfile& profile)
       between_waves_(spec.lowtran_rules ? BetweenWaves::linear : BetweenWaves::power_law) {
   check(spec, profile);
   if (spec.boundary != AerosolModel::none) add_aerosols(spec, profile);
+  add_own(spec, profile);
   add_clouds(spec);
 }
 
@@ -132,20 +135,38 @@ void AerosolColumn::add_aerosols(const AerosolSpec& spec, const AirProfile& prof
         "desert aerosol: the figures hold no Mie function; Henyey-Greenstein is used, its backscatter is too low");
 }
 
+void AerosolColumn::add_own(const AerosolSpec& spec, const AirProfile& profile) {
+  for (const scene::OwnAerosolSpec& aerosol : spec.own) {
+    Component component{
+        aerosol.name, own_heights(aerosol, profile.ground_km(), profile.top_km()), {}, {}, own_optics(aerosol)};
+    for (const Component& other : components_)
+      if (other.name == component.name)
+        throw base::Error(
+            base::Fault::input,
+            "aerosol '" + component.name + "': another component of the air has that name; choose one of its own");
+    const double depth_550 = aerosol.optical_depth / component.own->at(aerosol.at_um).extinction;
+    component.heights.scale(depth_550 / component.heights.depth(profile.ground_km(), profile.top_km()));
+    aod_550_ += depth_550;
+    components_.push_back(std::move(component));
+  }
+}
+
 void AerosolColumn::add_clouds(const AerosolSpec& spec) {
   for (const CloudLayer& cloud : spec.clouds) {
     const double extinction = cloud.optical_depth_550 / (cloud.top_km - cloud.base_km);
     Component component{cloud.droplets ? "droplets" : to_string(cloud.kind),
                         HeightProfile({{cloud.base_km, extinction}, {cloud.top_km, extinction}}),
-                        Substance(to_string(cloud.kind), 0),
+                        {},
                         {},
                         {}};
     const bool ice = cloud.kind == CloudKind::cirrus_64um || cloud.kind == CloudKind::cirrus_4um;
     if (cloud.droplets)
       component.own = std::make_shared<const DropletOptics>(*cloud.droplets);
-    else if (!component.substance.has_phase() && !ice)
+    else
+      component.substance.emplace(to_string(cloud.kind), 0);
+    if (component.substance && !component.substance->has_phase() && !ice)
       component.droplets = {Substance("fog_radiative", 0), Substance("fog_advective", 0)};
-    else if (ice && !henyey_greenstein_)
+    else if (component.substance && ice && !henyey_greenstein_)
       notices_.push_back(
           component.name +
           ": the figures hold no phase function of ice; Henyey-Greenstein is used, no halo, backscatter too low");
@@ -173,7 +194,7 @@ std::vector<double> AerosolColumn::level_km() const {
 PhaseFunction AerosolColumn::phase(const Component& component, double wavelength_um, double asymmetry) const {
   if (henyey_greenstein_) return PhaseFunction::henyey_greenstein(asymmetry);
   if (component.own) return component.own->phase(wavelength_um);
-  if (component.substance.has_phase()) return component.substance.phase(wavelength_um);
+  if (component.substance->has_phase()) return component.substance->phase(wavelength_um);
   if (component.droplets.empty()) return PhaseFunction::henyey_greenstein(asymmetry);
   // Water clouds: the Mie functions of the two fogs (droplets of the same order of size), mixed to the cloud's own
   // asymmetry.
@@ -184,9 +205,21 @@ PhaseFunction AerosolColumn::phase(const Component& component, double wavelength
   return PhaseFunction::mixture(small, 1 - share, large, share);
 }
 
+void AerosolColumn::check_covers(double first_um, double last_um) const {
+  base::Problems problems;
+  for (const Component& one : components_) {
+    const auto [from_um, to_um] = one.own ? one.own->covers_um() : std::pair(kMinAerosolWave_um, kMaxAerosolWave_um);
+    if (!(from_um <= first_um && to_um >= last_um))
+      problems.add({"", 0, 0, "aerosol '" + one.name + "'"},
+                   "its optics cover " + text(from_um) + " to " + text(to_um) + " um, and the table more",
+                   text(first_um) + " to " + text(last_um) + " um", "add rows, or narrow the bands");
+  }
+  problems.throw_if_any();
+}
+
 AerosolColumn::Optics AerosolColumn::optics(std::size_t component, double wavelength_um) const {
   const Component& one = components_.at(component);
-  const SubstanceOptics at = one.own ? one.own->at(wavelength_um) : one.substance.at(wavelength_um, between_waves_);
+  const SubstanceOptics at = one.own ? one.own->at(wavelength_um) : one.substance->at(wavelength_um, between_waves_);
   return {at.extinction, 1 - at.absorption / at.extinction, at.asymmetry,
           std::make_shared<const PhaseFunction>(phase(one, wavelength_um, at.asymmetry))};
 }

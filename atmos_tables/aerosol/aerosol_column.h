@@ -9,11 +9,13 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/aerosol/aerosol_spec.h"
 #include "atmos_tables/aerosol/height_profile.h"
+#include "atmos_tables/aerosol/particle_optics.h"
 #include "atmos_tables/aerosol/phase_function.h"
 #include "atmos_tables/aerosol/substance.h"
 #include "atmos_tables/optics/air_profile.h"
@@ -26,7 +28,8 @@ class AerosolColumn {
   /// every bad figure of the spec.
   AerosolColumn(const AerosolSpec& spec, const AirProfile& profile);
 
-  /// Boundary layer, troposphere, stratosphere, upper air (none of them for AerosolModel::none), then the clouds.
+  /// Boundary layer, troposphere, stratosphere, upper air (none of them for AerosolModel::none), the user's own, then
+  /// the clouds.
   std::size_t components() const { return components_.size(); }
   const std::string& name(std::size_t component) const { return components_.at(component).name; }
 
@@ -43,7 +46,9 @@ class AerosolColumn {
     double asymmetry = 0;  ///< of the table
     std::shared_ptr<const PhaseFunction> phase;
   };
-  /// wavelength_um: 0.2..200, vacuum. Throws Error(input) outside.
+  /// Throws Error(input) for each component whose optics end short of these wavelengths.
+  void check_covers(double first_um, double last_um) const;
+  /// wavelength_um: 0.2..200, vacuum, or what a user's own cover. Throws Error(input) outside.
   Optics optics(std::size_t component, double wavelength_um) const;
   /// Backscatter coefficient, sr-1, over the extinction at 0.55 um: ratio albedo P(180) / (4 pi). The lidar ratio is
   /// extinction_ratio / backscatter_per_sr.
@@ -60,11 +65,12 @@ class AerosolColumn {
   struct Component {
     std::string name;
     HeightProfile heights;
-    Substance substance;
-    std::vector<Substance> droplets;           ///< whose Mie functions stand in where the figures hold none
-    std::shared_ptr<const DropletOptics> own;  ///< a user's spheres instead of the substance
+    std::optional<Substance> substance;         ///< none where `own` is there
+    std::vector<Substance> droplets;            ///< whose Mie functions stand in where the figures hold none
+    std::shared_ptr<const ParticleOptics> own;  ///< a user's
   };
   void add_aerosols(const AerosolSpec& spec, const AirProfile& profile);
+  void add_own(const AerosolSpec& spec, const AirProfile& profile);
   void add_clouds(const AerosolSpec& spec);
   PhaseFunction phase(const Component& component, double wavelength_um, double asymmetry) const;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "atmos_tables/aerosol/droplet_optics.h"
+#include "scene_compiler/simulation.h"
 
 namespace raycube::atmos {
 
@@ -69,6 +70,7 @@ struct AerosolSpec {
   StratosphereModel stratosphere = StratosphereModel::background;
   double wind_m_s = 10;  ///< desert only, 0..30
   std::vector<CloudLayer> clouds;
+  std::vector<scene::OwnAerosolSpec> own;  ///< the user's, beside those above
   /// LOWTRAN7's rules, for comparisons with it: optics linear between tabulated wavelengths (BetweenWaves in
   /// substance.h), and for humidity_percent < 0 the mean over the boundary layer, weighted with its extinction, instead
   /// of the lowest level's.

@@ -66,9 +66,10 @@ void check(const DropletModel& model) {
 
 }  // namespace
 
-DropletOptics::DropletOptics(const DropletModel& model) {
+DropletOptics::DropletOptics(const DropletModel& model)
+    : sizes_(model.modes.empty() ? SizeDistribution::modified_gamma(model.alpha, model.b, model.gamma)
+                                 : SizeDistribution::lognormal(model.modes)) {
   check(model);
-  const SizeDistribution sizes = SizeDistribution::modified_gamma(model.alpha, model.b, model.gamma);
   const auto above =
       std::lower_bound(model.index.begin(), model.index.end(), kReference_um,
                        [](const DropletModel::Index& row, double wave) { return row.wavelength_um < wave; });
@@ -78,30 +79,39 @@ DropletOptics::DropletOptics(const DropletModel& model) {
     const double share = (kReference_um - below.wavelength_um) / (above->wavelength_um - below.wavelength_um);
     reference = {std::lerp(below.n, above->n, share), std::lerp(below.k, above->k, share)};
   }
-  const double unit_um2 = sum(sizes, kReference_um, reference, {}).extinction_um2;
-  const std::vector<double> angle_deg = angles_deg();
-  for (const DropletModel::Index& row : model.index) {
-    const SphereCloudOptics found = sum(sizes, row.wavelength_um, {row.n, row.k}, angle_deg);
+  unit_um2_ = sum(sizes_, kReference_um, reference, {}).extinction_um2;
+  for (const DropletModel::Index& row : model.index) nodes_.emplace_back(row);
+}
+
+const DropletOptics::Node& DropletOptics::summed(const Node& node) const {
+  std::call_once(node.summed, [&] {
+    static const std::vector<double> angle_deg = angles_deg();
+    const SphereCloudOptics found = sum(sizes_, node.index.wavelength_um, {node.index.n, node.index.k}, angle_deg);
     std::vector<double> log_phase;
     for (double phase : found.phase_at_angle) log_phase.push_back(std::log(phase));
-    nodes_.push_back(
-        {row.wavelength_um,
-         {found.extinction_um2 / unit_um2, (found.extinction_um2 - found.scattering_um2) / unit_um2, found.asymmetry},
-         std::make_shared<const PhaseShape>(angle_deg, std::move(log_phase))});
-  }
+    node.optics = {found.extinction_um2 / unit_um2_, (found.extinction_um2 - found.scattering_um2) / unit_um2_,
+                   found.asymmetry};
+    node.shape = std::make_shared<const PhaseShape>(angle_deg, std::move(log_phase));
+  });
+  return node;
+}
+
+std::pair<double, double> DropletOptics::covers_um() const {
+  return {nodes_.front().index.wavelength_um, nodes_.back().index.wavelength_um};
 }
 
 DropletOptics::Place DropletOptics::place(double wavelength_um) const {
-  if (!(wavelength_um >= nodes_.front().wavelength_um && wavelength_um <= nodes_.back().wavelength_um))
-    throw base::Error(base::Fault::input, "droplets: the refractive index covers " +
-                                              std::to_string(nodes_.front().wavelength_um) + " to " +
-                                              std::to_string(nodes_.back().wavelength_um) + " um (found " +
-                                              std::to_string(wavelength_um) + " um); add rows");
+  const auto [first_um, last_um] = covers_um();
+  if (!(wavelength_um >= first_um && wavelength_um <= last_um))
+    throw base::Error(base::Fault::input, "droplets: the refractive index covers " + std::to_string(first_um) + " to " +
+                                              std::to_string(last_um) + " um (found " + std::to_string(wavelength_um) +
+                                              " um); add rows");
   const auto high = std::lower_bound(nodes_.begin(), nodes_.end(), wavelength_um,
-                                     [](const Node& node, double wave) { return node.wavelength_um < wave; });
-  if (high->wavelength_um == wavelength_um) return {&*high, &*high, 0, 0};
-  const double from = high[-1].wavelength_um, to = high->wavelength_um;
-  return {&high[-1], &*high, (wavelength_um - from) / (to - from),
+                                     [](const Node& node, double wave) { return node.index.wavelength_um < wave; });
+  if (high->index.wavelength_um == wavelength_um) return {&summed(*high), &*high, 0, 0};
+  const Node &below = high[-1], &above = *high;
+  const double from = below.index.wavelength_um, to = above.index.wavelength_um;
+  return {&summed(below), &summed(above), (wavelength_um - from) / (to - from),
           std::log(wavelength_um / from) / std::log(to / from)};
 }
 

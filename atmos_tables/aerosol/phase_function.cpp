@@ -1,9 +1,11 @@
 #include "atmos_tables/aerosol/phase_function.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "atmos_tables/optics/gauss_legendre.h"
 #include "host/base/error.h"
 
 namespace raycube::atmos {
@@ -28,6 +30,14 @@ PhaseFunction PhaseFunction::henyey_greenstein(double g) {
   return out;
 }
 
+PhaseFunction PhaseFunction::of_moments(std::vector<double> moments) {
+  if (moments.empty() || moments[0] != 1)
+    throw base::Error(base::Fault::bug, "phase function: the moment of order 0 must be 1");
+  PhaseFunction out;
+  out.moments_ = std::move(moments);
+  return out;
+}
+
 PhaseFunction PhaseFunction::mixture(const PhaseFunction& a, double weight_a, const PhaseFunction& b, double weight_b) {
   if (a.parts_.empty() || b.parts_.empty())
     throw base::Error(base::Fault::bug, "phase function: only tabulated ones are mixed");
@@ -38,6 +48,7 @@ PhaseFunction PhaseFunction::mixture(const PhaseFunction& a, double weight_a, co
 }
 
 double PhaseFunction::value(double cos_angle) const {
+  if (!moments_.empty()) return std::max(0.0, legendre_series(moments_, cos_angle));
   if (parts_.empty()) {
     const double root = std::sqrt(1 + g_ * g_ - 2 * g_ * cos_angle);
     return (1 - g_ * g_) / (root * root * root);
@@ -50,6 +61,10 @@ double PhaseFunction::value(double cos_angle) const {
 
 std::vector<double> PhaseFunction::moments(std::size_t last) const {
   std::vector<double> out(last + 1, 0);
+  if (!moments_.empty()) {
+    std::copy_n(moments_.begin(), std::min(moments_.size(), last + 1), out.begin());
+    return out;
+  }
   if (parts_.empty()) {
     double power = 1;
     for (double& moment : out) moment = power, power *= g_;
@@ -63,6 +78,7 @@ std::vector<double> PhaseFunction::moments(std::size_t last) const {
 }
 
 double PhaseFunction::asymmetry() const {
+  if (!moments_.empty()) return moments_.size() > 1 ? moments_[1] : 0;
   if (parts_.empty()) return g_;
   double out = 0;
   for (const Part& part : parts_) out += part.weight * part.shape->asymmetry();

@@ -1,4 +1,5 @@
-// Phase function of one substance at one wavelength: a mixture of tabulated shapes, or Henyey-Greenstein.
+// Phase function of one substance at one wavelength: a mixture of tabulated shapes, Henyey-Greenstein, or Legendre
+// moments.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +22,11 @@ class PhaseFunction {
   /// (1 - g^2) / (1 + g^2 - 2 g cos)^1.5, moments g^k; |g| < 1. Up to 2.6 times too low at 180 degrees.
   static PhaseFunction henyey_greenstein(double g);
 
-  /// Weighted sum of two mixtures, weights as above. Error(bug) when one of them is Henyey-Greenstein.
+  /// P = sum (2 k + 1) chi_k P_k(cos); chi_0 = 1 (Error(bug)); moments that are not given are 0. Where the sum is below
+  /// 0, as few or rounded moments leave it, the value is 0.
+  static PhaseFunction of_moments(std::vector<double> moments);
+
+  /// Weighted sum of two mixtures of shapes, weights as above. Error(bug) when one of them is none.
   static PhaseFunction mixture(const PhaseFunction& a, double weight_a, const PhaseFunction& b, double weight_b);
 
   double value(double cos_angle) const;
@@ -32,7 +37,8 @@ class PhaseFunction {
 
  private:
   PhaseFunction() = default;
-  std::vector<Part> parts_;  ///< empty for Henyey-Greenstein
+  std::vector<Part> parts_;      ///< empty for the others
+  std::vector<double> moments_;  ///< empty for Henyey-Greenstein
   double g_ = 0;
 };
 

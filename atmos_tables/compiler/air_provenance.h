@@ -13,8 +13,12 @@
 namespace raycube::atmos {
 
 /// "ground_height_m", "profile", "profile_file" (null: none), "aerosol", "visibility_km" (null without
-/// aerosol), "aod_550" and where that is from: "stated", "visibility" or "no aerosol".
+/// aerosol), "aod_550" and where that is from: "stated", "visibility", "own aerosols" or "no aerosol"; where there
+/// are any, of each of "own_aerosols" what the user stated.
 nlohmann::json air_parameters(const scene::AtmosphereSpec& spec, const AerosolColumn& aerosols);
+
+/// Where the optics of the aerosols are from, in words.
+std::string aerosol_source(const scene::AirSpec& air);
 
 /// What profiles for LIDAR without a line list leave out.
 struct GasesLeftOut {

@@ -100,6 +100,7 @@ AerosolSpec make_aerosols(const scene::AirSpec& spec) {
   out.wind_m_s = spec.wind_m_s;
   out.henyey_greenstein = spec.henyey_greenstein;
   out.lowtran_rules = spec.gas_bands == "lowtran";
+  out.own = spec.own_aerosols;
   for (const scene::CloudSpec& cloud : spec.clouds)
     out.clouds.push_back({cloud.base_km, cloud.top_km, cloud.optical_depth_550, parse_cloud(cloud.kind)});
   return out;

@@ -17,6 +17,8 @@ constexpr double kFourierTolerance = 1e-5;
 constexpr double kSmallestTransmission = 1e-30;
 constexpr double kLargestFactorLog = 20;
 
+const std::vector<double> kViewZenith_deg = {0, 10, 20, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80};
+
 /// Dense in the aureole, where tabulated Mie functions have a cusp (0.25 deg is the sun's radius), and around the
 /// glory.
 std::vector<double> scattering_angles() {
@@ -56,13 +58,13 @@ struct Depths {
 }  // namespace
 
 BinGeometry::BinGeometry(const AirStack& air, const scene::Sun& sun, double z0_km, double sensor_height_m,
-                         const std::vector<double>& target_height_m)
+                         const std::vector<double>& target_height_m, const std::vector<double>& view_zenith_deg)
     : stack(&air),
       sun_zenith_deg(sun.zenith_deg),
       sun_azimuth_deg(sun.azimuth_deg),
       day(sun.zenith_deg < 90),
       sensor_level(air.level_of(z0_km + sensor_height_m / 1000)),
-      view_zenith{0, 10, 20, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80},
+      view_zenith(view_zenith_deg.empty() ? kViewZenith_deg : view_zenith_deg),
       view_azimuth{0, 5, 10, 15, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160, 170, 180},
       sky_zenith{0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 82.5, 85, 87, 89, 90},
       sky_azimuth{0, 5, 10, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165, 180},

@@ -13,8 +13,9 @@ namespace raycube::atmos {
 
 /// Levels and paths of a table's nodes.
 struct BinGeometry {
+  /// view_zenith_deg: a user's; empty: the model's own.
   BinGeometry(const AirStack& stack, const scene::Sun& sun, double z0_km, double sensor_height_m,
-              const std::vector<double>& target_height_m);
+              const std::vector<double>& target_height_m, const std::vector<double>& view_zenith_deg = {});
 
   const AirStack* stack;
   double sun_zenith_deg, sun_azimuth_deg;

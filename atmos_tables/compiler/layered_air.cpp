@@ -16,7 +16,6 @@
 #include "atmos_tables/compiler/air_provenance.h"
 #include "atmos_tables/compiler/air_stack.h"
 #include "atmos_tables/compiler/bin_rows.h"
-#include "atmos_tables/solar_spectrum.h"
 #include "atmos_tables/moon.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
@@ -25,7 +24,8 @@ namespace raycube::atmos {
 
 namespace {
 
-std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun, const AirStack& stack) {
+std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun, const AirStack& stack,
+                       const std::vector<std::string>& notices) {
   const scene::AirSpec& air = *spec.layered;
   const AirLevel ground = stack.profile().levels().front();
   nlohmann::json j;
@@ -33,7 +33,7 @@ std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
   j["sources"] = {"profile: " + stack.profile().source(),
                   "gases: LOWTRAN7 (Kneizys et al. 1988) and 6S (Vermote et al. 1997) bands, blended",
                   "Rayleigh: Bodhaine et al. 1999",
-                  "aerosols: LOWTRAN7 (Shettle & Fenn 1979), Mie phase functions",
+                  aerosol_source(air),
                   "scattering: discrete ordinates (Stamnes et al. 1988), delta-M, Nakajima & Tanaka 1988",
                   "Spencer 1971"};
   j["parameters"] = air_parameters(spec, stack.aerosols());
@@ -52,7 +52,7 @@ std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
                            nlohmann::json(air.line_wing_per_cm).dump() + " cm-1 (cite the list's edition)");
   for (const auto& table : air.cross_sections)
     j["sources"].push_back("cross-sections of " + table.gas + ": " + table.file);
-  j["notices"] = stack.notices();
+  j["notices"] = notices;
   j["limits"] = {"no polarisation: Rayleigh light off by 1 to 5 %, up to 11 % at grazing angles",
                  "gas structure finer than 20 cm-1 (LOWTRAN7) or 10 cm-1 (6S) is not resolved but for gases with lines "
                  "or cross-sections, "
@@ -122,7 +122,10 @@ void check_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, dou
                    const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
   if (!spec.layered) throw base::Error(base::Fault::bug, "check_layered was given no layered air");
   check_table_request(sun, sensor_height_m, wavelength_um, target_height_m, kLayeredFirst_um, kLayeredLast_um);
-  stack_of(spec, sensor_height_m, target_height_m, resolved_gases(*spec.layered, wavelength_um));
+  check_view_zeniths(spec.view_zenith_deg);
+  static_cast<void>(SolarSpectrum(spec.solar));  // refuses what it cannot take
+  const AirStack stack = stack_of(spec, sensor_height_m, target_height_m, resolved_gases(*spec.layered, wavelength_um));
+  stack.aerosols().check_covers(wavelength_um.front(), wavelength_um.back());
 }
 
 RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
@@ -130,9 +133,11 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
                           const BuildWatch& watch) {
   if (!spec.layered) throw base::Error(base::Fault::bug, "build_layered was given no layered air");
   check_table_request(sun, sensor_height_m, wavelength_um, target_height_m, kLayeredFirst_um, kLayeredLast_um);
+  check_view_zeniths(spec.view_zenith_deg);
   const double z0_km = spec.ground_height_m / 1000;
   const LineAir lines = resolved_gases(*spec.layered, wavelength_um);
   const AirStack stack = stack_of(spec, sensor_height_m, target_height_m, lines);
+  stack.aerosols().check_covers(wavelength_um.front(), wavelength_um.back());
   std::optional<ResolvedGases> resolved;
   if (!lines.gases.empty()) {
     std::vector<double> wavenumbers;  // ascending, as wavelengths descend
@@ -147,9 +152,12 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
     return depths;
   };
 
-  RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
-  table.provenance_json = provenance(spec, sun, stack);
-  const BinGeometry geometry(stack, sun, z0_km, sensor_height_m, target_height_m);
+  const SolarSpectrum spectrum(spec.solar);
+  RenderTable table = sunlit_table(spectrum, sun, sensor_height_m, wavelength_um, target_height_m);
+  std::vector<std::string> notices = stack.notices();
+  if (auto notice = spectrum.notice(wavelength_um.front(), wavelength_um.back())) notices.push_back(std::move(*notice));
+  table.provenance_json = provenance(spec, sun, stack, notices);
+  const BinGeometry geometry(stack, sun, z0_km, sensor_height_m, target_height_m, spec.view_zenith_deg);
   BinRows rows(table, geometry, wavelength_um.back() >= kThermalFrom_um,
                spec.layered->gas_bands == "lowtran" ? LayerEmission::one_temperature : LayerEmission::graded);
   const std::vector<SpectralBin> bins = spectral_bins(wavelength_um);
@@ -158,7 +166,7 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const double moon = sun.moon_phase_deg >= 0 ? moon_over_sun(sun.moon_phase_deg, bins[i].wavelength_um) : 1;
     solar[i] = static_cast<float>(moon * earth_sun_factor(sun.day_of_year) *
-                                  mean_solar_irradiance_1au(1e4 / bins[i].high_per_cm, 1e4 / bins[i].low_per_cm));
+                                  spectrum.mean_1au(1e4 / bins[i].high_per_cm, 1e4 / bins[i].low_per_cm));
   }
   for_each_on_threads(bins.size(), watch.threads, [&](std::size_t i) {
     rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms), resolved_depths(i)),

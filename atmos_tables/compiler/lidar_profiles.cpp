@@ -89,6 +89,20 @@ void check(const LidarOptions& options, const AerosolColumn& aerosols, base::Pro
   }
 }
 
+/// A phase function by asymmetry alone says little of the light at 180 degrees.
+void tell_of_backscatter(const scene::AirSpec& air, const LidarOptions& options, std::vector<std::string>& notices) {
+  for (const scene::OwnAerosolSpec& own : air.own_aerosols) {
+    const bool has_ratio = std::any_of(
+        options.particles.begin(), options.particles.end(),
+        [&](const LidarOptions::Particles& one) { return one.component == own.name && one.lidar_ratio_sr > 0; });
+    if (!own.asymmetry.empty() && !has_ratio)
+      notices.push_back(
+          "aerosol '" + own.name +
+          "': its backscatter is that of Henyey-Greenstein, up to 2.6 times too low; state phase_moments, "
+          "a refractive index, or its lidar ratio");
+  }
+}
+
 /// Wavelengths whose lines are read together: a list is read once for each group, so that 532 nm and 1.65 um do not
 /// read all between.
 std::size_t end_of_group(const std::vector<double>& wavelength_um, std::size_t first, double wing_per_cm) {
@@ -173,6 +187,7 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
   check(options, aerosols, problems);
   problems.throw_if_any();
   notices.insert(notices.end(), aerosols.notices().begin(), aerosols.notices().end());
+  tell_of_backscatter(*spec.layered, options, notices);
 
   RenderTable table;
   table.solar_source = "none";
@@ -244,7 +259,7 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
   nlohmann::json j;
   j["model"] = "raycube LIDAR profiles";
   j["sources"] = {"profile: " + profile.source(), "Rayleigh: Bodhaine et al. 1999; King factors Bates 1984",
-                  "aerosols: LOWTRAN7 (Shettle & Fenn 1979), Mie phase functions"};
+                  aerosol_source(*spec.layered)};
   j["parameters"] = air_parameters(spec, aerosols);
   j["parameters"].update(
       {{"cabannes_only", options.cabannes_only}, {"lines", spec.layered->lines}, {"lidar_ratio_sr", ratios}});

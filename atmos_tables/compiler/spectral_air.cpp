@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "atmos_tables/clear_sky_inputs.h"
 #include "atmos_tables/optics/rayleigh_air.h"
 #include "atmos_tables/rayleigh.h"
 #include "host/base/planck.h"
@@ -15,8 +16,6 @@ namespace {
 /// sums.
 constexpr std::size_t kLastMoment = 191;
 constexpr double kLoneHalfWidth_per_cm = 2.5;
-/// A node speaks for at most this part of its wavelength on either side: further apart, nodes are samples.
-constexpr double kWidestHalf = 0.05;
 }  // namespace
 
 std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um) {
@@ -28,13 +27,8 @@ std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um)
       bins.push_back({here, centre - kLoneHalfWidth_per_cm, centre + kLoneHalfWidth_per_cm});
       continue;
     }
-    const double widest = kWidestHalf * here;
-    double below = i > 0 ? std::min(0.5 * (here - wavelength_um[i - 1]), widest) : 0;
-    double above = i + 1 < count ? std::min(0.5 * (wavelength_um[i + 1] - here), widest) : 0;
-    if (i == 0) below = above;
-    if (i + 1 == count) above = below;
-    const double left = here - below, right = here + above;
-    bins.push_back({here, 1e4 / right, 1e4 / left});
+    const NodeSpan span = node_span(wavelength_um, i);
+    bins.push_back({here, 1e4 / span.to_um, 1e4 / span.from_um});
   }
   return bins;
 }

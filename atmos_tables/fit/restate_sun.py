@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Restates the sun's spectrum above the air as atmos_tables/data/solar_tsis1_gueymard.inc.
+"""Restates the sun's spectra above the air as atmos_tables/data/solar_tsis1_gueymard.inc and solar_e490.inc.
 
-Usage: restate_sun.py FOLDER > solar_tsis1_gueymard.inc, FOLDER holding solar_tsis1_hsrs_350-2500nm_0p5nm.csv (TSIS-1
-HSRS) and solar_gueymard2004_composite.csv. Every node is the average under its hat function, so that linear
+Usage: restate_sun.py tsis1 FOLDER > solar_tsis1_gueymard.inc, FOLDER holding solar_tsis1_hsrs_350-2500nm_0p5nm.csv
+(TSIS-1 HSRS) and solar_gueymard2004_composite.csv; or restate_sun.py e490 FILE > solar_e490.inc, FILE a CSV of
+wavelength in um and W m-2 um-1. Every node is the average under its hat function, so that linear
 interpolation keeps the irradiance of any stretch of a few nodes. Gueymard is scaled to TSIS-1 at both joints by the
 ratio of their means over 50 nm; the scale fades to 1 over the next 50 nm.
 """
@@ -42,8 +43,31 @@ def hat_average(w, e, left, node, right):
     return np.trapz(hat * np.interp(x, w, e), x) / np.trapz(hat, x)
 
 
+TSIS1_HEAD = (
+    "// Exoatmospheric solar irradiance at 1 AU, W m-2 um-1, wavelength nm (vacuum). 350 to 2500 nm: TSIS-1 hybrid "
+    "solar\n"
+    "// reference spectrum, Coddington, O. M. et al. (2021), Geophys. Res. Lett. 48, e2020GL091709. Below and "
+    "beyond:\n"
+    "// Gueymard, C. A. (2004), Solar Energy 76, 423-453, scaled to TSIS-1 at the joints. Averages under the hat "
+    "function\n"
+    "// of each node (2 nm to 1000 nm, 5 nm to 2500 nm, 20 nm to 4 um, 100 to 500 nm to 31 um), so that linear\n"
+    "// interpolation keeps the irradiance of any stretch of a few nodes. Restated by "
+    "atmos_tables/fit/restate_sun.py."
+)
+E490_HEAD = (
+    "// Exoatmospheric solar irradiance at 1 AU, W m-2 um-1, wavelength nm: ASTM E-490-00a (2000), Standard Solar "
+    "Constant\n"
+    "// and Zero Air Mass Solar Spectral Irradiance Tables. Averages as in solar_tsis1_gueymard.inc. Restated by\n"
+    "// atmos_tables/fit/restate_sun.py."
+)
+
+
 def main():
-    w, e = composite(sys.argv[1])
+    if sys.argv[1] == "tsis1":
+        w, e = composite(sys.argv[2])
+    else:
+        w, e = read(sys.argv[2])
+        w = 1000 * w
     nodes = np.concatenate(
         [
             np.arange(300, 1000, 2),
@@ -54,17 +78,7 @@ def main():
             np.arange(10000, 31001, 500),
         ]
     )
-    print(
-        "// Exoatmospheric solar irradiance at 1 AU, W m-2 um-1, wavelength nm (vacuum). 350 to 2500 nm: TSIS-1 hybrid "
-        "solar\n"
-        "// reference spectrum, Coddington, O. M. et al. (2021), Geophys. Res. Lett. 48, e2020GL091709. Below and "
-        "beyond:\n"
-        "// Gueymard, C. A. (2004), Solar Energy 76, 423-453, scaled to TSIS-1 at the joints. Averages under the hat "
-        "function\n"
-        "// of each node (2 nm to 1000 nm, 5 nm to 2500 nm, 20 nm to 4 um, 100 to 500 nm to 31 um), so that linear\n"
-        "// interpolation keeps the irradiance of any stretch of a few nodes. Restated by "
-        "atmos_tables/fit/restate_sun.py."
-    )
+    print(TSIS1_HEAD if sys.argv[1] == "tsis1" else E490_HEAD)
     line = ""
     for i, node in enumerate(nodes):
         left, right = nodes[max(i - 1, 0)], nodes[min(i + 1, len(nodes) - 1)]

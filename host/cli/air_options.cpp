@@ -46,12 +46,18 @@ void apply_aerosol(const AirOptions& o, scene::AirSpec& air) {
                       fmt::format("--visibility {:g} and --aod {:g} both say how much aerosol there is; remove one",
                                   o.visibility_km, o.aod_550));
   const bool none = (o.aerosol.empty() ? air.aerosol : o.aerosol) == "none";
-  if (const std::string amount = typed_amount(o); none && !amount.empty())
+  const std::string amount = typed_amount(o);
+  if (none && !amount.empty() && o.aerosol.empty() && !air.own_aerosols.empty())
+    throw base::Error(base::Fault::input,
+                      amount +
+                          ": the file has aerosols of its own alone, each with its optical_depth; change that, or "
+                          "name an aerosol with --aerosol in their place");
+  if (none && !amount.empty())
     throw base::Error(base::Fault::input,
                       amount + ": there is no aerosol (" +
                           (o.aerosol.empty() ? "the file has aerosol = \"none\"" : "--aerosol none") +
                           "); remove it, or name an aerosol");
-  if (!o.aerosol.empty()) air.aerosol = o.aerosol;
+  if (!o.aerosol.empty()) air.aerosol = o.aerosol, air.own_aerosols.clear();
   if (none) {  // what a file said of another aerosol goes with it
     const scene::AirSpec fresh;
     air.aod_550 = fresh.aod_550, air.visibility_km = fresh.visibility_km, air.humidity_percent = fresh.humidity_percent;

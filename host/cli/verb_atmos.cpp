@@ -11,6 +11,7 @@
 #include "atmos_tables/clear_sky_inputs.h"
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/report.h"
+#include "atmos_tables/solar_spectrum.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/cli/air_options.h"
@@ -22,6 +23,7 @@
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/load_simulation.h"
+#include "scene_compiler/solar_file.h"
 #include "host/cli/typed.h"
 
 namespace raycube::cli {
@@ -29,7 +31,8 @@ namespace raycube::cli {
 namespace {
 
 struct BuildOptions {
-  std::string file, model, lines;
+  std::string file, model, lines, solar;
+  std::vector<std::string> view_zeniths;
   AirOptions air;
   bool no_air = false, no_cache = false;
   double co2 = kUnset, ch4 = kUnset;
@@ -37,7 +40,7 @@ struct BuildOptions {
   double sensor = kUnset, lowest = kUnset, highest = kUnset;
   double first_um = kUnset, last_um = kUnset, step_nm = 0;
   double ground = kUnset, pressure = kUnset, water = kUnset, ozone = kUnset, angstrom = kUnset;
-  double ssa = kUnset, asymmetry = kUnset, albedo = kUnset;
+  double ssa = kUnset, asymmetry = kUnset, albedo = kUnset, scale_height = kUnset;
 };
 
 /// An option that would shape air, as typed; empty: none.
@@ -58,10 +61,30 @@ std::string typed_air(const BuildOptions& o) {
                                                 {!std::isnan(o.angstrom), "--angstrom"},
                                                 {!std::isnan(o.ssa), "--ssa"},
                                                 {!std::isnan(o.asymmetry), "--asymmetry"},
-                                                {!std::isnan(o.albedo), "--ground-albedo"}};
+                                                {!std::isnan(o.albedo), "--ground-albedo"},
+                                                {!std::isnan(o.scale_height), "--scale-height"},
+                                                {!o.view_zeniths.empty(), "--view-zenith"}};
   for (const auto& [is, option] : given)
     if (is) return option;
   return "";
+}
+
+/// --aerosol own: Henyey-Greenstein particles in place of every aerosol of the file.
+scene::OwnAerosolSpec typed_aerosol(const BuildOptions& o) {
+  if (std::isnan(o.air.aod_550))
+    throw base::Error(base::Fault::input, "--aerosol own: how much of it? give --aod, its optical depth at 0.55 um");
+  for (const auto& [value, option] :
+       {std::pair(o.air.visibility_km, "--visibility"), std::pair(o.air.humidity_percent, "--humidity")})
+    if (!std::isnan(value))
+      throw base::Error(base::Fault::input,
+                        std::string(option) + " is for a shipped aerosol, not for --aerosol own; remove it");
+  const scene::AtmosphereSpec standing;  // the clear sky's particles
+  scene::OwnAerosolSpec out;
+  out.optical_depth = o.air.aod_550;
+  out.angstrom = standing.angstrom, out.single_scattering_albedo = {standing.ssa}, out.asymmetry = {standing.asymmetry};
+  replace(out.angstrom, o.angstrom), replace(out.scale_height_km, o.scale_height);
+  replace(out.single_scattering_albedo[0], o.ssa), replace(out.asymmetry[0], o.asymmetry);
+  return out;
 }
 
 /// Options of one model alone are refused with the other, all of them without air; the shared ones go where
@@ -79,7 +102,7 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
   const auto refuse = [&](bool given, const char* option, const char* model) {
     if (given)
       throw base::Error(base::Fault::input,
-                        std::string(option) + " belongs to --model " + model + "; remove it, or choose that model");
+                        std::string(option) + " belongs to --model " + model + "; remove it, or choose that");
   };
   if (!layered) {
     refuse(!o.air.profile.empty(), "--profile", "layered"), refuse(!o.air.fill.empty(), "--fill", "layered");
@@ -87,17 +110,35 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
     refuse(!std::isnan(o.air.visibility_km), "--visibility", "layered"),
         refuse(!std::isnan(o.air.humidity_percent), "--humidity", "layered");
     refuse(!std::isnan(o.co2), "--co2", "layered"), refuse(!std::isnan(o.ch4), "--ch4", "layered");
+    refuse(!std::isnan(o.scale_height), "--scale-height", "layered");
     return;
   }
-  refuse(!std::isnan(o.angstrom), "--angstrom", "clear_sky"), refuse(!std::isnan(o.ssa), "--ssa", "clear_sky");
-  refuse(!std::isnan(o.asymmetry), "--asymmetry", "clear_sky"),
-      refuse(!std::isnan(o.albedo), "--ground-albedo", "clear_sky");
+  const bool own = o.air.aerosol == "own";
+  for (const auto& [value, option] :
+       {std::pair(o.angstrom, "--angstrom"), std::pair(o.ssa, "--ssa"), std::pair(o.asymmetry, "--asymmetry")})
+    refuse(!own && !std::isnan(value), option, "clear_sky, or to --aerosol own");
+  if (!own && !std::isnan(o.scale_height))
+    throw base::Error(base::Fault::input, "--scale-height belongs to --aerosol own; remove it, or choose that aerosol");
+  refuse(!std::isnan(o.albedo), "--ground-albedo", "clear_sky");
   if (!air.layered) air.layered.emplace();
   scene::AirSpec& spec = *air.layered;
-  apply(o.air, spec);
+  AirOptions typed = o.air;
+  std::vector<scene::OwnAerosolSpec> owned;
+  if (own) owned = {typed_aerosol(o)}, typed.aerosol = "none", typed.aod_550 = kUnset;
+  apply(typed, spec);
+  if (own) spec.own_aerosols = std::move(owned);
   if (!o.lines.empty()) spec.lines = std::filesystem::absolute(o.lines).lexically_normal().string();
   replace(spec.pressure_hPa, o.pressure), replace(spec.water_g_cm2, o.water), replace(spec.ozone_atm_cm, o.ozone);
   replace(spec.co2_ppmv, o.co2), replace(spec.ch4_ppmv, o.ch4);
+}
+
+/// --solar-spectrum: a name, or else a file.
+scene::SolarSpectrumSpec typed_solar(const std::string& name) {
+  if (atmos::SolarSpectrum::is_shipped(name)) return {name, {}, {}};
+  base::Problems problems;
+  const auto file = scene::read_solar_spectrum(name, {"", 0, 0, "--solar-spectrum"}, problems);
+  problems.throw_if_any();
+  return *file;
 }
 
 int build(const BuildOptions& o, Invocation& invocation) {
@@ -137,6 +178,8 @@ int build(const BuildOptions& o, Invocation& invocation) {
   replace(air.pressure_hPa, o.pressure), replace(air.water_g_cm2, o.water), replace(air.ozone_atm_cm, o.ozone);
   replace(air.aod_550, o.air.aod_550), replace(air.angstrom, o.angstrom), replace(air.ssa, o.ssa);
   replace(air.asymmetry, o.asymmetry), replace(air.ground_albedo, o.albedo);
+  if (!o.solar.empty()) air.solar = typed_solar(o.solar);
+  if (!o.view_zeniths.empty()) air.view_zenith_deg = numbers_of(o.view_zeniths, "--view-zenith");
   replace(simulation.sun.zenith_deg, o.sun_zenith), replace(simulation.sun.azimuth_deg, o.sun_azimuth);
   if (!std::isnan(o.day)) simulation.sun.day_of_year = static_cast<int>(o.day);
   replace(sensor_height, o.sensor), replace(lowest, o.lowest), replace(highest, o.highest);
@@ -154,6 +197,9 @@ int build(const BuildOptions& o, Invocation& invocation) {
   const atmos::RenderTable table = run::air_table(
       {&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, services);
   if (const auto notice = atmos::no_light_notice(air, simulation.sun, first_um)) invocation.log.warning(*notice);
+  for (const scene::Instrument& instrument : simulation.instruments)
+    if (const auto notice = run::coarse_sun_notice(air, instrument.bands))
+      invocation.log.warning(instrument.name + ": " + *notice);
   const std::string hash = atmos::write_rct(table, output, if_exists(invocation.common));
   if (invocation.common.json)
     invocation.out << nlohmann::json{{"table", output},
@@ -198,17 +244,33 @@ Verb verb_atmos_build() {
     number("--from", "um", 0.3, 30, "First wavelength", o->first_um, "FILE's bands, or 0.35");
     number("--to", "um", 0.3, 30, "Last wavelength", o->last_um, "FILE's bands, or 2.5");
     table.number("--step", "nm", 0, 100, "Wavelength step; 0: 1 nm to 1 um, 2 nm to 2.5 um, 10 nm beyond", o->step_nm);
+    table
+        .texts("--view-zenith", "DEG",
+               "View zenith angles of the table, deg, separated by commas: two or more from 0 to 89.9", o->view_zeniths)
+        .default_text = "FILE's, or 0 to 80, 5 apart from 30 on (layered) or 10 apart (clear_sky)";
+    table
+        .text("--solar-spectrum", "NAME|FILE",
+              "Sun above the air: tsis1, e490, or a CSV whose columns' names hold the units (docs/atmosphere.md)",
+              o->solar)
+        .default_text = "FILE's, or tsis1";
     number("--ground-height", "m", -500, 9000, "Height of z = 0 above the sea; sets the pressure too", o->ground,
            "FILE's, or 0");
     number("--pressure", "hPa", 1, 1200, "Air pressure at the ground", o->pressure, "FILE's, or 1013.25");
     number("--water", "g/cm2", 0, 10, "Precipitable water", o->water, "FILE's, or 1.5");
     number("--ozone", "atm cm", 0, 1, "Ozone column", o->ozone, "FILE's, or 0.32");
-    number("--angstrom", "", -1, 5, "Angstrom exponent", o->angstrom, "FILE's, or 1.2");
-    number("--ssa", "", 0, 1, "Aerosol single-scattering albedo at 0.4 um", o->ssa, "FILE's, or 0.945");
-    number("--asymmetry", "", -0.95, 0.95, "Aerosol asymmetry factor", o->asymmetry, "FILE's, or 0.65");
+    number("--angstrom", "", -1, 5, "clear_sky, or --aerosol own: Angstrom exponent", o->angstrom, "FILE's, or 1.2");
+    number("--ssa", "", 0, 1, "clear_sky: aerosol single-scattering albedo at 0.4 um; --aerosol own: at all", o->ssa,
+           "FILE's, or 0.945");
+    number("--asymmetry", "", -0.95, 0.95, "clear_sky, or --aerosol own: asymmetry factor", o->asymmetry,
+           "FILE's, or 0.65");
+    number("--scale-height", "km", 0.01, 100, "layered, --aerosol own: height over which extinction falls by e",
+           o->scale_height, "2");
     number("--ground-albedo", "", 0, 1, "Albedo of the surroundings in the sky's light", o->albedo, "FILE's, or 0");
     table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or layered";
     add_air_options(table, o->air, "FILE's, or by --visibility (layered), 0.1 (clear_sky)");
+    for (base::Option& option : table.rows())
+      if (option.names == "--aerosol")
+        option.help += "; or own: by --aod, --angstrom, --ssa, --asymmetry and --scale-height, Henyey-Greenstein";
     table
         .text("--lines", "FILE", "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths",
               o->lines)

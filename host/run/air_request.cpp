@@ -48,6 +48,13 @@ json key_of(const scene::CrossSectionSpec& table) {
   return out;
 }
 
+json key_of(const scene::OwnAerosolSpec& aerosol) {
+  json out;
+#define RC_OWN_AEROSOL(type, name, fallback, text) out[#name] = aerosol.name;
+#include "scene_compiler/air_spec.def"
+  return out;
+}
+
 template <class Entry>
 json key_of(const std::vector<Entry>& list) {
   json out = json::array();
@@ -61,6 +68,12 @@ json key_of(const scene::AirSpec& air) {
 #define RC_AIR_FILE(name, text) out[#name] = content_of(air.name);
 #include "scene_compiler/air_spec.def"
   return out;
+}
+
+/// Of a file what it holds, whatever it is called.
+json key_of(const scene::SolarSpectrumSpec& solar) {
+  if (solar.wavelength_um.empty()) return solar.name;
+  return {solar.wavelength_um, solar.irradiance};
 }
 
 /// Of the clear sky: what it reads of a specification.
@@ -77,6 +90,8 @@ std::string request_hash(const AirRequest& request, const std::vector<double>& w
   const json key = {{"program", base::program_hash()},
                     {"air", request.spec->layered ? key_of(*request.spec->layered) : clear_sky_key(*request.spec)},
                     {"ground_height_m", request.spec->ground_height_m},
+                    {"solar_spectrum", key_of(request.spec->solar)},
+                    {"view_zenith_deg", request.spec->view_zenith_deg},
                     {"sun", {sun.zenith_deg, sun.azimuth_deg, sun.day_of_year, sun.moon_phase_deg}},
                     {"sensor_height_m", request.sensor_height_m},
                     {"wavelength_um", wavelength_um},

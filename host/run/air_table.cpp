@@ -13,6 +13,7 @@
 #include "atmos_tables/clear_sky_inputs.h"
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/rct_file.h"
+#include "atmos_tables/solar_spectrum.h"
 #include "host/base/cache_folder.h"
 #include "host/base/doing.h"
 #include "host/base/error.h"
@@ -144,16 +145,63 @@ void say_air(const atmos::RenderTable& table, Services& services) {
     services.log.detail("atmosphere: " + aerosol.substr(0, aerosol.size() - 1));
 }
 
+namespace {
+
+/// The shipped aerosol and the user's own, of a table's parameters.
+std::string aerosol_names(const nlohmann::json& parameters) {
+  std::string out = parameters["aerosol"].get<std::string>();
+  const auto own = parameters.value("own_aerosols", nlohmann::json::array());
+  if (out == "none" && !own.empty()) out.clear();
+  for (const auto& aerosol : own) out += (out.empty() ? "" : ", ") + aerosol["name"].get<std::string>();
+  return out;
+}
+
+}  // namespace
+
 std::string aerosol_text(const atmos::RenderTable& table) {
   const auto provenance = provenance_of(table);
   if (!provenance.contains("parameters") || !provenance["parameters"].contains("aod_550")) return "";
   const auto& p = provenance["parameters"];
   if (p.value("aod_550_from", "") == "no aerosol") return "aerosol: none\n";
   std::string out = fmt::format("aerosol: optical depth {:.4g} at 550 nm", p["aod_550"].get<double>());
-  if (p.contains("aerosol")) out += " (" + p["aerosol"].get<std::string>();
+  if (p.contains("aerosol")) out += " (" + aerosol_names(p);
   if (p.contains("aerosol") && p["visibility_km"].is_number())
     out += fmt::format(", visibility {:.3g} km", p["visibility_km"].get<double>());
   return out + (p.contains("aerosol") ? ")\n" : "\n");
+}
+
+namespace {
+
+/// Beyond this the sun's lines are few, weak and far narrower than any band of the reflected light there.
+constexpr double kSunLinesTo_um = 2.5;
+
+/// FWHM, or the area of a tabulated response over its peak.
+double width_um(const scene::Band& band) {
+  if (band.fwhm_um > 0) return band.fwhm_um;
+  double area = 0;
+  for (std::size_t i = 1; i < band.wavelength_um.size(); ++i)
+    area += 0.5 * (band.response[i] + band.response[i - 1]) * (band.wavelength_um[i] - band.wavelength_um[i - 1]);
+  return area / *std::max_element(band.response.begin(), band.response.end());
+}
+
+}  // namespace
+
+std::optional<std::string> coarse_sun_notice(const scene::AtmosphereSpec& spec, const std::vector<scene::Band>& bands) {
+  if (!spec.table_file.empty()) return std::nullopt;
+  const atmos::SolarSpectrum sun(spec.solar);
+  std::size_t finer = 0;
+  double narrowest_um = 1e9, at_um = 0;
+  for (const scene::Band& band : bands) {
+    const double width = width_um(band);
+    if (!(band.center_um < kSunLinesTo_um) || !(width < (1 - 1e-6) * sun.step_um(band.center_um))) continue;
+    ++finer;
+    if (width < narrowest_um) narrowest_um = width, at_um = band.center_um;
+  }
+  if (finer == 0) return std::nullopt;
+  return fmt::format(
+      "{} of its bands, the narrowest {:.3g} nm wide at {:.6g} nm, {} finer than the sun's spectrum, whose steps there "
+      "are {:.3g} nm: its lines are smoothed; name a finer one in solar_spectrum_file",
+      finer, 1000 * narrowest_um, 1000 * at_um, finer == 1 ? "is" : "are", 1000 * sun.step_um(at_um));
 }
 
 std::pair<double, double> band_range(const std::vector<scene::Band>& bands) {

@@ -32,6 +32,10 @@ void say_air(const atmos::RenderTable& table, Services& services);
 /// visibility 23 km)\n", or "aerosol: none\n"; empty where the table says nothing of it.
 std::string aerosol_text(const atmos::RenderTable& table);
 
+/// What a user should know of bands below 2.5 um that are narrower than the steps of the sun's spectrum there: its
+/// lines are smoothed in them. Nothing of a table of the user's.
+std::optional<std::string> coarse_sun_notice(const scene::AtmosphereSpec& spec, const std::vector<scene::Band>& bands);
+
 /// Wavelengths that the responses of some bands reach, um; a Gaussian is cut at 2.5 FWHM, where it has fallen to 3e-8.
 std::pair<double, double> band_range(const std::vector<scene::Band>& bands);
 

@@ -55,6 +55,8 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   job.table_s = base::seconds_since(start);
   const auto& scene = simulation.scene;
   job.notices = plan::one_direction_notices(job.table, instrument.name, view, seen_heights(scene, view));
+  if (auto notice = coarse_sun_notice(simulation.atmosphere, instrument.bands))
+    job.notices.push_back(std::move(*notice));
   for (auto& notice : plan::channel_bands(instrument, job.table).notices) job.notices.push_back(std::move(notice));
   for (const auto& notice : job.notices) services.log.warning(instrument.name + ": " + notice);
   if (simulation.atmosphere.table_file.empty())  // of a table of the user's its maker has heard them

@@ -42,3 +42,7 @@ compare(
     "data/moon_albedo.inc",
 )
 compare("restate_afgl.py", script("restate_afgl.py", shared / "profiles"), "optics/data/afgl_1986.inc")
+solar = shared / "solar"
+compare("restate_sun.py", script("restate_sun.py", "tsis1", solar), "data/solar_tsis1_gueymard.inc")
+e490 = shared.parent.parent / "data" / "solar" / "astm_e490_0.12_1000um.csv"
+compare("restate_sun.py", script("restate_sun.py", "e490", e490), "data/solar_e490.inc")

@@ -34,6 +34,9 @@ void change(bool& value) { value = !value; }
 void change(std::string& value) { value += "x"; }
 void change(std::vector<CloudSpec>& value) { value.push_back({"stratus", 1, 2, 5}); }
 void change(std::vector<CrossSectionSpec>& value) { value.push_back({"xy", "", 1}); }
+void change(std::vector<OwnAerosolSpec>& value) { value.emplace_back(); }
+void change(std::vector<double>& value) { value.push_back(1); }
+void change(std::vector<std::vector<double>>& value) { value.push_back({1, 0.5}); }
 
 AtmosphereSpec layered() {
   AtmosphereSpec spec;
@@ -69,11 +72,18 @@ TEST_CASE("S18 every field of air_spec.def changes the name of the kept table") 
     CHECK(hash_of(spec) == before);                              \
   }
 #include "scene_compiler/air_spec.def"
-  // Those of clouds and cross-sections, one entry each.
+  // Those of clouds, cross-sections and own aerosols, one entry each.
   auto base = layered();
   base.layered->clouds = {{"stratus", 1, 2, 5}};
   base.layered->cross_sections = {{"xy", folder.write("xy.csv", "xy"), 1}};
+  base.layered->own_aerosols.emplace_back();
   names.insert(hash_of(base));
+#define RC_OWN_AEROSOL(type, name, fallback, text) \
+  {                                                \
+    auto spec = base;                              \
+    change(spec.layered->own_aerosols[0].name);    \
+    differs(spec, "own_aerosol." #name);           \
+  }
 #define RC_CLOUD(type, name, fallback, text) \
   {                                          \
     auto spec = base;                        \
@@ -121,6 +131,7 @@ TEST_CASE(
     "there are") {
   const Folder folder;
   const std::string csv = "\"" + folder.write("a.csv", "x") + "\"";
+  const std::string sun = "\"" + folder.write("sun.csv", "wavelength_nm,irradiance_W_m2_nm\n300,1\n3000,1\n") + "\"";
   // A value that is not the default of each key; "-" belongs to another model, or to what the table does not
   // hold.
   const std::map<std::string, std::string> other = {{"model", "-"},
@@ -130,6 +141,9 @@ TEST_CASE(
                                                     {"asymmetry", "-"},
                                                     {"ground_albedo", "-"},
                                                     {"adjacency", "-"},
+                                                    {"view_zenith_deg", "[0, 30]"},
+                                                    {"solar_spectrum", "\"e490\""},
+                                                    {"solar_spectrum_file", sun},
                                                     {"spectral_step_nm", "0.5"},
                                                     {"ground_height_m", "150"},
                                                     {"pressure_hPa", "950"},
@@ -147,6 +161,9 @@ TEST_CASE(
                                                     {"stratosphere", "\"high_volcanic\""},
                                                     {"wind_m_s", "20"},
                                                     {"cloud", "[{ base_km = 1, top_km = 2, optical_depth_550 = 3 }]"},
+                                                    {"own_aerosol",
+                                                     "[{ optical_depth = 0.1, angstrom = 1, "
+                                                     "single_scattering_albedo = 0.9, asymmetry = 0.6 }]"},
                                                     {"gas_bands", "\"lowtran\""},
                                                     {"streams", "8"},
                                                     {"k_terms", "2"},
@@ -184,10 +201,20 @@ TEST_CASE(
 
 TEST_CASE("S18 every key of [atmosphere] that the clear sky takes changes the name; it refuses all others") {
   const Folder folder;
+  const std::string sun = "\"" + folder.write("sun.csv", "wavelength_nm,irradiance_W_m2_nm\n300,1\n3000,1\n") + "\"";
   const std::map<std::string, std::string> taken = {
-      {"angstrom", "1.5"},      {"ssa", "0.9"},          {"asymmetry", "0.6"},
-      {"ground_albedo", "0.2"}, {"pressure_hPa", "950"}, {"water_g_cm2", "2.5"},
-      {"ozone_atm_cm", "0.4"},  {"aod_550", "0.3"},      {"ground_height_m", "150"},
+      {"angstrom", "1.5"},
+      {"ssa", "0.9"},
+      {"asymmetry", "0.6"},
+      {"ground_albedo", "0.2"},
+      {"pressure_hPa", "950"},
+      {"water_g_cm2", "2.5"},
+      {"ozone_atm_cm", "0.4"},
+      {"aod_550", "0.3"},
+      {"ground_height_m", "150"},
+      {"view_zenith_deg", "[0, 30]"},
+      {"solar_spectrum", "\"e490\""},
+      {"solar_spectrum_file", sun},
   };
   const std::set<std::string> of_no_table = {"model", "tables", "adjacency"};
   LoadOptions no_instruments;
