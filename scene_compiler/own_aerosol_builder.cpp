@@ -1,8 +1,8 @@
 #include "scene_compiler/own_aerosol_builder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "scene_compiler/csv_file.h"
@@ -62,6 +62,14 @@ bool read_columns(const CsvFile& csv, const std::vector<TableColumn>& columns, s
   return problems.lines().size() == before;
 }
 
+/// The first whose name begins so; its unit may follow: extinction_per_km.
+std::optional<std::size_t> extinction_column(const CsvFile& csv) {
+  const auto found = std::find_if(csv.columns.begin(), csv.columns.end(),
+                                  [](const std::string& name) { return name.starts_with("extinction"); });
+  if (found == csv.columns.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - csv.columns.begin());
+}
+
 /// moment_0, moment_1, ... as far as they go without a gap.
 std::vector<std::size_t> moment_columns(const CsvFile& csv) {
   std::vector<std::size_t> out;
@@ -84,10 +92,8 @@ void read_optics(const Record& record, OwnAerosolSpec& out, Problems& problems) 
                    "both", "remove one");
     columns.push_back({*found, low, high, above, &values});
   };
-  // Any unit may follow its name: extinction_per_km.
-  const auto extinction = std::find_if(csv->columns.begin(), csv->columns.end(),
-                                       [](const std::string& name) { return name.starts_with("extinction"); });
-  take(extinction == csv->columns.end() ? "extinction" : *extinction, "angstrom", 0, 1e9, true, out.extinction);
+  const auto extinction = extinction_column(*csv);
+  take(extinction ? csv->columns[*extinction] : "extinction", "angstrom", 0, 1e9, true, out.extinction);
   take("single_scattering_albedo", "single_scattering_albedo", 0, 1, false, out.single_scattering_albedo);
   take("asymmetry", "asymmetry", -0.999999, 0.999999, false, out.asymmetry);
   const std::vector<std::size_t> moments = moment_columns(*csv);
@@ -113,22 +119,52 @@ void read_optics(const Record& record, OwnAerosolSpec& out, Problems& problems) 
   }
 }
 
+/// A height of an extinction profile, kept if it is sound.
+void add_height(double height_km, double extinction, const base::Where& where, OwnAerosolSpec& out,
+                Problems& problems) {
+  if (!out.height_km.empty() && !(height_km > out.height_km.back()))
+    problems.add(where, "heights must ascend",
+                 number_text(height_km) + " after " + number_text(out.height_km.back()) + " km", "sort them");
+  if (extinction < 0)
+    problems.add(where, "relative extinctions must not be negative", number_text(extinction), "correct it");
+  out.height_km.push_back(height_km), out.height_extinction.push_back(extinction);
+}
+
+void read_height_file(const Record& record, OwnAerosolSpec& out, Problems& problems) {
+  const auto csv = read_csv(record.text("extinction_profile_file"), record.place("extinction_profile_file"), problems);
+  if (!csv) return;
+  const auto km = csv->column("height_km"), m = csv->column("height_m");
+  const auto extinction = extinction_column(*csv);
+  if ((!km && !m) || !extinction) {
+    problems.add({csv->file, csv->header_line, 0, ""},
+                 "an extinction profile has the columns height_km or height_m, and extinction", csv->columns_text(),
+                 "name them so");
+    return;
+  }
+  const std::size_t before = problems.lines().size();
+  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+    const auto height = csv->number(row, km ? *km : *m, problems), value = csv->number(row, *extinction, problems);
+    if (height && value) add_height(km ? *height : *height / 1000, *value, csv->at(row, *extinction), out, problems);
+  }
+}
+
 void read_height(const Record& record, OwnAerosolSpec& out, Problems& problems) {
   out.scale_height_km = record.number("scale_height_km");
-  if (!record.given("extinction_profile")) return;
-  const base::Where& where = record.place("extinction_profile");
-  if (record.given("scale_height_km"))
-    problems.add(where, "'extinction_profile' and 'scale_height_km' exclude each other", "both", "remove one");
-  for (const auto& [height_km, extinction] : record.value("extinction_profile").points) {
-    if (!out.height_km.empty() && !(height_km > out.height_km.back()))
-      problems.add(where, "heights must ascend",
-                   number_text(height_km) + " after " + number_text(out.height_km.back()) + " km", "sort them");
-    if (extinction < 0)
-      problems.add(where, "relative extinctions must not be negative", number_text(extinction), "correct it");
-    out.height_km.push_back(height_km), out.height_extinction.push_back(extinction);
+  const char* given = nullptr;
+  for (const char* key : {"scale_height_km", "extinction_profile", "extinction_profile_file"}) {
+    if (!record.given(key)) continue;
+    if (given)
+      problems.add(record.place(key), std::string("'") + key + "' and '" + given + "' exclude each other", "both",
+                   "remove one");
+    given = key;
   }
-  if (out.height_km.size() < 2)
-    problems.add(where, "an extinction profile needs two heights", std::to_string(out.height_km.size()),
+  if (!given || std::string(given) == "scale_height_km") return;
+  const std::size_t before = problems.lines().size();
+  for (const auto& [height_km, extinction] : record.value("extinction_profile").points)
+    add_height(height_km, extinction, record.place("extinction_profile"), out, problems);
+  if (record.given("extinction_profile_file")) read_height_file(record, out, problems);
+  if (out.height_km.size() < 2 && problems.lines().size() == before)
+    problems.add(record.place(given), "an extinction profile needs two heights", std::to_string(out.height_km.size()),
                  "give its lower and its upper end");
 }
 

@@ -17,7 +17,7 @@ struct DropletModel {
   struct Index {
     double wavelength_um, n, k;  ///< n + i k, k >= 0 absorbs
   };
-  std::vector<Index> index;          ///< wavelengths ascend and reach over 0.55 um; raycube ships no table of indices
+  std::vector<Index> index;  ///< wavelengths ascend and reach over 0.55 um; raycube ships no table of indices
   std::vector<LogNormalMode> modes = {};  ///< where there are any, in place of alpha, b and gamma
 };
 

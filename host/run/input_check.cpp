@@ -117,6 +117,8 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   if (!found.part([&] { view = sensors::view_bounds(instrument); }) || !bands) return;
   const AirRequest request = air_request(simulation, instrument, view.sensor_height_m);
   found.part([&] {
+    if (const auto notice = coarse_sun_notice(simulation.atmosphere, instrument.bands))
+      found.notice(instrument, {*notice});
     if (const auto table = known_table(request)) {
       check_known_table(simulation, instrument, view, *table, request.last_um, found);
     } else {

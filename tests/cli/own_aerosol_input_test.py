@@ -68,7 +68,18 @@ with tempfile.TemporaryDirectory() as name:
     built(scene('optical_depth = 0.3\nangstrom = 1\nsingle_scattering_albedo = 1\noptics = "moments.csv"\n'))
     file("index.csv", "wavelength_um,n,k\n0.3,1.5,0.01\n0.9,1.45,0.02\n")
     built(scene(SPHERES + 'refractive_index_file = "index.csv"\nextinction_profile = [[0, 1], [1, 0.5], [3, 0]]\n'))
+    file("heights.csv", "height_m,extinction_per_km\n0,0.2\n1000,0.1\n3000,0\n")
+    seen = built(scene(STATED + 'extinction_profile_file = "heights.csv"\n'))["own_aerosols"][0]
+    check(seen["height_km"] == [0, 1, 3] and seen["height_extinction"] == [0.2, 0.1, 0], seen)
     built(scene("optical_depth = 0.3\nrefractive_index = [1.45, 0.001]\nmodified_gamma = [2, 15.1186, 0.5]\n"))
+
+    # LIDARs: what Henyey-Greenstein says of backscatter is told of, unless its lidar ratio is stated.
+    lidar = ("atmos", "lidar", scene(STATED), "--wavelengths", 532, "-o", folder / "lidar.rct", "--overwrite")
+    check("backscatter is that of Henyey-Greenstein" in program.run(*lidar).stderr)
+    stated = program.run(*lidar, "--lidar-ratio", "own=50", "--json")
+    check("Henyey-Greenstein" not in stated.stderr, stated.stderr)
+    ratio = json.loads(stated.stdout)["atmosphere"]["parameters"]["lidar_ratio_sr"]["own"][0]
+    check(abs(ratio - 50) < 1e-9, ratio)
 
     # By options: the clear sky's defaults, in the layered model; the light that comes through follows Beer's law.
     bare = ("--sun-zenith", 0, "--from", 0.5, "--to", 0.56, "--highest", 0, "--no-cache")
@@ -95,6 +106,7 @@ with tempfile.TemporaryDirectory() as name:
         file(name, "wavelength_nm,extinction\n" + "\n".join(rows) + "\n")
         return STATED.replace("angstrom = 1.2", f'optics = "{name}"')
 
+    file("down.csv", "height_km,extinction\n2,1\n1,1\n")
     file("only.csv", "wavelength_nm,extinction\n300,1\n900,1\n")
     # What is wrong is said by its place, once, and nothing is written.
     (folder / "air.rct").unlink()
@@ -112,6 +124,12 @@ with tempfile.TemporaryDirectory() as name:
         (STATED + "extinction_profile = [[2, 1], [1, 1]]\n", ("heights must ascend", "1 after 2")),
         (STATED + "extinction_profile = [[1, 1], [2, -1]]\n", ("must not be negative", "-1")),
         (STATED + "extinction_profile = [[1, 1], [2, 1]]\nscale_height_km = 2\n", ("exclude each other",)),
+        (STATED + 'extinction_profile_file = "down.csv"\n', ("down.csv:3", "heights must ascend", "1 after 2")),
+        (
+            STATED + 'extinction_profile_file = "heights.csv"\nscale_height_km = 2\n',
+            ("'extinction_profile_file' and 'scale_height_km' exclude each other",),
+        ),
+        (STATED + 'extinction_profile_file = "only.csv"\n', ("only.csv:1", "height_km or height_m")),
         (STATED + 'optics = "only.csv"\n', ("'angstrom' and the column extinction", "exclude each other")),
         (SPHERES + "refractive_index = [1.5, 0.01]\nangstrom = 1\n", ("'angstrom' states what Mie's series makes",)),
         (SPHERES + "refractive_index = [1.5, -0.01]\n", ("refractive_index", "-0.01")),

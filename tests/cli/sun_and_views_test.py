@@ -96,7 +96,9 @@ with tempfile.TemporaryDirectory() as name:
     check("finer than the sun" not in built(scene(quick, width_nm=10))[1])
     steps = file("steps.csv", "wavelength_nm,irradiance_W_m2_nm", *(f"{300 + 0.5 * i},1.5" for i in range(2000)))
     check("finer than the sun" not in built(scene(quick + f'solar_spectrum_file = "{steps}"', width_nm=1))[1])
-    program.run("render", scene('model = "none"', width_nm=1), "-o", folder / "out", env=env)
+    bare_plate = scene('model = "none"', width_nm=1)
+    check("finer than the sun's spectrum" in program.run("check", bare_plate, env=env).stderr)
+    program.run("render", bare_plate, "-o", folder / "out", env=env)
     warned = json.dumps(record(folder / "out" / "camera"))
     check("finer than the sun's spectrum" in warned, warned[:2000])
 
