@@ -261,6 +261,17 @@ Sun read_sun(const Record& root, const Origin& origin, Problems& problems) {
   return sun;
 }
 
+/// What the tolerance is of; its materials must be the scene's.
+ToleranceMeasure read_measure(const Record& root, const MaterialTable& materials, Problems& problems) {
+  ToleranceMeasure out{figure_named(root.text("tolerance_of")), root.value("tolerance_materials").texts};
+  if (problems.empty() && root.given("tolerance_materials") && out.materials.empty())
+    problems.add(root.place("tolerance_materials"), "'tolerance_materials' names none, so no pixel would count", "[]",
+                 "name those that matter, or remove the key");
+  for (const std::string& name : out.materials)
+    materials.surface(name, root.place("tolerance_materials"), problems, Covers::nothing);
+  return out;
+}
+
 bool counts_from_ground(const Lidar& lidar) {
   return lidar.turbulence.profile == TurbulenceProfile::hufnagel_valley && !lidar.turbulence.ground_z_m;
 }
@@ -309,6 +320,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   if (!readable) problems.throw_if_any();
 
   MaterialTable materials(root, problems);
+  out.tolerance_of = read_measure(root, materials, problems);
   SceneParts parts = read_scene_parts(root, materials, problems);
   out.atmosphere = read_atmosphere(root, parts.origin, options.air_model, problems);
   if (!root.records("instrument").empty() || root.given("time")) out.sun = read_sun(root, parts.origin, problems);

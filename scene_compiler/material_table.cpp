@@ -436,6 +436,7 @@ const Relief* MaterialTable::relief(std::uint32_t surface) const {
 /// Reports images that what is covered cannot have.
 void MaterialTable::check_cover(const std::string& name, std::uint32_t surface, const base::Where& where, Covers covers,
                                 Problems& problems) const {
+  if (covers == Covers::nothing) return;
   const CoordinateImages images = this->images(surface);
   if (covers != Covers::mesh && images.any()) {
     problems.add(where, "material '" + name + "' lies by the texture coordinates of a mesh, which this is not",

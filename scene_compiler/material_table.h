@@ -15,8 +15,9 @@
 
 namespace raycube::scene {
 
-/// What a material is to cover: a mesh may have texture coordinates, a panel (a plane, a box's face) a relief in m.
-enum class Covers { shape, panel, mesh };
+/// What a material is to cover: a mesh may have texture coordinates, a panel (a plane, a box's face) a relief in m;
+/// nothing where it is only named.
+enum class Covers { shape, panel, mesh, nothing };
 
 /// The images of a material that lie by texture coordinates; null: it has none.
 struct CoordinateImages {

@@ -16,6 +16,7 @@
 #include "scene_compiler/focal_plane_spec.h"
 #include "scene_compiler/lamp.h"
 #include "scene_compiler/lidar_spec.h"
+#include "scene_compiler/tolerance_measure.h"
 
 namespace raycube::scene {
 
@@ -216,6 +217,7 @@ inline constexpr int kMostChosenBounces = 64;
 struct Simulation {
   std::string file;  ///< absolute path
   double tolerance = 0.01;
+  ToleranceMeasure tolerance_of;  ///< of cameras
   std::uint64_t seed = 1;
   int sky_directions = kDefaultSkyDirections;  ///< of a pixel, shared out among its samples
   int bounces = 0;                             ///< surfaces that light may come by after the first

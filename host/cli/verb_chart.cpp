@@ -73,9 +73,10 @@ std::string processor() {
 /// Table of the front and, per knob, of all points.
 std::string chart_text(const run::Chart& chart) {
   std::string out =
-      fmt::format("{} {}: error against {} {} by {}\n  its own error {:.3g}, tolerance {:g}\n  time of {}\n",
+      fmt::format("{} {}: error against {} {} by {}\n  its own error {:.3g}, tolerance {:g}{}\n  time of {}\n",
                   chart.kind, chart.name, chart.validated, chart.kind == "cube" ? "pixels" : "pulses", chart.reference,
-                  chart.own_error, chart.tolerance, chart.what_time);
+                  chart.own_error, chart.tolerance,
+                  chart.kind == "cube" ? " (" + measure_text(chart.measure) + ")" : std::string(), chart.what_time);
   out += fmt::format("  {:<27} {:<12} {:>9} {:>19} {:>9} {:>9} {:>21} {:>9}\n", "knob", "level", "error", "from to",
                      "p95", "time s", "from to", "rays");
   for (const run::ChartPoint& p : chart.points) {
@@ -162,7 +163,8 @@ Verb verb_chart() {
       "against a converged reference: Embree and double precision, the full tables, about two thousand samples a "
       "pixel. It is computed once and kept in "
       "~/.cache/raycube/reference (or $XDG_CACHE_HOME). The error is that of `tolerance`: rms over pixels, divided by "
-      "the band's mean, worst band. Its bar "
+      "the band's mean, worst band; or the figure and the pixels that tolerance_of and tolerance_materials ask for, "
+      "the worst then being that of the pixels picked. Its bar "
       "takes the reference's own variance off and holds one standard error over the pixels.\n\n"
       "Times are medians after a warm-up, their bars the least and the largest repeat. Cubes: stages of a few strips, "
       "scaled to the whole image. LIDARs: "

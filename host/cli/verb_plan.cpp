@@ -38,8 +38,9 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
   const planner::Decision& d = job.decision;
   const auto lines = planner::plan_lines(d, job.plan);
   Said said;
-  said.heading = fmt::format("{}: {} x {} pixels, {} bands, tolerance {:.3g} %\n", instrument.name, instrument.pixels,
-                             instrument.lines, instrument.bands.size(), 100 * simulation.tolerance);
+  said.heading = fmt::format("{}: {} x {} pixels, {} bands, tolerance {:.3g} % ({})\n", instrument.name,
+                             instrument.pixels, instrument.lines, instrument.bands.size(), 100 * simulation.tolerance,
+                             measure_text(simulation.tolerance_of));
   said.table = planner::lines_text(lines);
   said.summary = fmt::format(
       "  estimated error {} of {:.3g} %: nodes and components {}{}, {}, each of its own worst band; {}\n"
@@ -96,7 +97,9 @@ int run(const PlanRequest& options, Invocation& invocation) {
     render::LidarRenderer renderer(simulation.scene, settings);
     for (const auto* lidar : lidars) all.push_back(plan_lidar(simulation, *lidar, renderer, services));
   }
-  planner::PlanFile file{simulation.file, simulation.scene.content_hash, simulation.tolerance, simulation.seed, {}};
+  planner::PlanFile file{simulation.file,      simulation.scene.content_hash,
+                         simulation.tolerance, simulation.tolerance_of,
+                         simulation.seed,      {}};
   for (const auto& said : all) file.entries.push_back(said.entry);
   const std::string text = planner::write_plan_file(file);
   if (invocation.common.json) {
@@ -122,7 +125,8 @@ Verb verb_plan() {
   verb.description =
       "For each instrument a table: block, level chosen, its estimated error, the error without it (with the level "
       "before), its cost, and why. "
-      "Errors are those of the tolerance: rms over the pixels of the worst band over that band's mean. Levels that the "
+      "Errors are those of the tolerance: rms over the pixels of the worst band over that band's mean, or the "
+      "figure and the pixels that tolerance_of and tolerance_materials ask for. Levels that the "
       "file gives are kept and "
       "marked; the rest are the cheapest whose errors together fit the tolerance, by counts of rays, terms and bands "
       "and never by a clock: two runs give "

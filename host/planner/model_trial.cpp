@@ -7,8 +7,10 @@
 #include "host/base/interrupt.h"
 #include "host/base/parallel.h"
 #include "host/reference/radiance.h"
+#include "host/planner/judged_pixels.h"
 #include "host/sensors/ray_groups.h"
 #include "host/base/units.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::planner {
 
@@ -18,6 +20,18 @@ constexpr int kPixelStep = 4;                        ///< of a run: two of its e
 constexpr std::uint64_t kModelPixels = 0x2545f491u;  ///< added to the seed
 
 using Band = double (*)(const reference::BandRadiance&, std::size_t);
+
+/// Share of a pixel that materials of these weights cover.
+double weight_of(const scene::CompiledScene& scene, const std::vector<double>& material,
+                 const reference::SampledPixel& pixel) {
+  double share = 0;
+  for (const reference::Sample& sample : pixel.samples)
+    if (!sample.hit.miss())
+      scene::for_each_material(
+          scene.surfaces[scene::surface_of(scene, sample.hit.primitive)],
+          [&](std::size_t m, float fraction) { share += sample.weight * material[m] * static_cast<double>(fraction); });
+  return share;
+}
 
 double part(const std::vector<double>& value, std::size_t band) { return value.empty() ? 0 : value[band]; }
 
@@ -71,6 +85,8 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   }
   ModelPixels out;
   out.planned.resize(pixels.size()), out.whole.resize(pixels.size());
+  const std::vector<double> material = material_weights(simulation);
+  if (!material.empty()) out.weight.resize(pixels.size());
   base::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
     base::throw_if_interrupted();
     const reference::SampledPixel pixel = scene.sample_pixel(few, same, settings.seed, pixels[p]);
@@ -78,6 +94,7 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
     for (std::size_t i = 0; i < pixel.sides(); ++i) sent.push_back(look(pixel.side(i)));
     out.planned[p] = planned.radiance(pixel, sent);
     out.whole[p] = whole.radiance(pixel);
+    if (!material.empty()) out.weight[p] = static_cast<float>(weight_of(simulation.scene, material, pixel));
   });
   return out;
 }
@@ -93,8 +110,11 @@ ModelError model_error(const scene::Simulation& simulation, const scene::Instrum
   }
   ModelSettings settings;
   settings.seed = simulation.seed, settings.threads = threads, settings.directions = directions;
-  const auto [ours, theirs] = compare_models(simulation, instrument, plan, table, tiles, settings);
+  auto [ours, theirs, weight] = compare_models(simulation, instrument, plan, table, tiles, settings);
   image.bands = plan.bands.size();
+  image.figure = simulation.tolerance_of.figure;
+  if (std::any_of(weight.begin(), weight.end(), [](float w) { return w > 0; })) image.weight = std::move(weight);
+  image.left_out = 1 - static_cast<double>(tiles.size()) / (static_cast<double>(instrument.pixels) * instrument.lines);
   const auto image_of = [&](const std::vector<reference::BandRadiance>& radiance, Band value) {
     TrialImage out = image;
     for (const reference::BandRadiance& pixel : radiance)

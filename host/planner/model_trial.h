@@ -14,6 +14,7 @@ namespace raycube::planner {
 /// Pixels by the plan and by the whole tables, in the order of the tiles.
 struct ModelPixels {
   std::vector<reference::BandRadiance> planned, whole;
+  std::vector<float> weight;  ///< of each in the figure that the tolerance is of; empty: all alike
 };
 
 /// How they are compared: `side` x `side` jittered samples of a pixel under `directions`, turned by `turn_rad` about

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/planner/judged_pixels.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
 #include "host/planner/replicated.h"
@@ -40,19 +41,25 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
                           });
   for (const auto& tile : tiles)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
+  image.figure = simulation.tolerance_of.figure;
+  image.weight = pixel_weights(renderer, simulation, instrument, plan, tiles);
+  if (std::all_of(image.weight.begin(), image.weight.end(), [](float weight) { return weight <= 0; }))
+    image.weight.clear();
+  image.left_out =
+      1 - static_cast<double>(image.pixels()) / (static_cast<double>(instrument.pixels) * instrument.lines);
   image.whole =
       image.pixels() == static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
   return image;
 }
 
 void sum_up(OwnError& out, double likely_drawn) {
-  out.total = std::hypot(out.plan, out.drawn);
-  out.likely = std::hypot(out.plan, likely_drawn);
+  out.total = together(out.measure.figure, out.plan, out.drawn);
+  out.likely = together(out.measure.figure, out.plan, likely_drawn);
 }
 
 /// Puts what is measured in place of the bound for the worst place.
 void measure_plan(OwnError& out, const ModelError& measured) {
-  const double likely_drawn = std::sqrt(std::max(0.0, out.likely * out.likely - out.plan * out.plan));
+  const double likely_drawn = left_beside(out.measure.figure, out.likely, out.plan);
   out.plan = std::min(out.plan, measured.total.bound), out.plan_pixels = measured.pixels;
   sum_up(out, likely_drawn);
 }
@@ -95,15 +102,15 @@ OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulati
                    const plan::Plan& plan, const atmos::RenderTable& table, const Decision& decision,
                    const render::ReplicateSpread& spread, int threads) {
   OwnError out;
-  out.tolerance = simulation.tolerance, out.plan = decision.plan_error;
+  out.tolerance = simulation.tolerance, out.measure = simulation.tolerance_of, out.plan = decision.plan_error;
   if (decision.total_error >= 0 && !instrument.adaptive()) {  // the trial takes all samples of every pixel
     out.samples = decision.samples_error, out.sky = decision.sky_error, out.total = decision.total_error;
-    out.drawn = std::sqrt(std::max(0.0, out.total * out.total - out.plan * out.plan));
+    out.drawn = left_beside(out.measure.figure, out.total, out.plan);
     out.from = instrument.replicates > 1 ? fmt::format("the spread of {} replicates", instrument.replicates)
                                          : fmt::format("the plan's trial of {} pixels", decision.trial_pixels);
   } else {
     out.plan_pixels = decision.model_pixels;
-    if (instrument.replicates > 1)
+    if (instrument.replicates > 1 && out.measure.plain())
       from_replicates(out, spread, instrument);
     else
       from_few_pixels(out, renderer, simulation, instrument, plan);
@@ -125,14 +132,16 @@ std::string own_error_text(const OwnError& e) {
                                 ? "at most " + percent_text(e.total)
                                 : fmt::format("about {}, at most {},", percent_text(e.likely), percent_text(e.total));
   return fmt::format(
-      "error {} of {:.3g} % tolerated{} (bounds, each of its own worst band: {}, nodes and components {}{}; by {})",
-      total, 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn, percent_text(e.plan),
+      "error {} of {:.3g} % tolerated{} ({}; bounds, each of its own worst band: {}, nodes and components {}{}; by {})",
+      total, 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", measure_text(e.measure), drawn, percent_text(e.plan),
       e.plan_pixels > 0 ? fmt::format(" on {} pixels", e.plan_pixels) : "", e.from);
 }
 
 std::string own_error_json(const OwnError& e) {
   const auto number = [](double value) { return value < 0 ? nlohmann::json() : nlohmann::json(value); };
   return nlohmann::json{{"tolerance", e.tolerance},
+                        {"tolerance_of", figure_name(e.measure.figure)},
+                        {"tolerance_materials", e.measure.materials},
                         {"total", e.total},
                         {"likely", number(e.likely)},
                         {"within_tolerance", e.kept()},

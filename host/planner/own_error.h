@@ -15,7 +15,7 @@
 
 namespace raycube::planner {
 
-/// Parts and total as the tolerance means them: rms over pixels of the worst band over that band's mean;
+/// Parts and total as the tolerance means them: the figure over pixels of the worst band over that band's mean;
 /// below 0: not known apart. Like the plan's they are bounds, with one standard error on top; `likely` has none. A few
 /// pixels at the edges of crowns carry most of a park's error: of 1024 pixels the likely one scatters by a third (2.3
 /// to 4.3 % over three seeds where its chart has 3.1 %), and the bound with it.
@@ -26,6 +26,7 @@ struct OwnError {
   double plan = 0;                ///< of nodes and components, as the plan has it, or measured
   std::size_t plan_pixels = 0;    ///< that were measured; 0: none
   double tolerance = 0;
+  scene::ToleranceMeasure measure;
   std::string from;  ///< how it is known
   bool kept() const { return total <= tolerance; }
 };

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/planner/judged_pixels.h"
 #include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
@@ -82,7 +83,26 @@ void PixelTrial::make_look(int directions) {
   pixels_per_run_ = static_cast<double>(looked_at_) / drawn_from_;
   tiles_ = looked_, pixels_ = looked_at_;
   look_directions_ = directions;
+  weigh_look();
   look_ = with_cells(sample_pattern(instrument_).look, replicates_on_pixels(look, directions));
+}
+
+void PixelTrial::weigh_look() {
+  look_weight_ = pixel_weights(renderer_, simulation_, instrument_, plan_, looked_);
+  meets_listed_ = look_weight_.empty() ||
+                  std::any_of(look_weight_.begin(), look_weight_.end(), [](float weight) { return weight > 0; });
+  if (!meets_listed_) look_weight_.clear();
+}
+
+/// Of the pixels that are tried now, out of those of the look.
+std::vector<float> PixelTrial::weights_of_tiles() const {
+  if (look_weight_.empty() || draws_.empty()) return look_weight_;
+  std::vector<std::size_t> first = {0};
+  for (const auto& tile : looked_) first.push_back(first.back() + tile.pixels());
+  std::vector<float> out;
+  for (const Draw& draw : draws_)
+    for (std::size_t p = first[draw.run]; p < first[draw.run + 1]; ++p) out.push_back(look_weight_[p]);
+  return out;
 }
 
 int PixelTrial::choose_paths() {
@@ -141,6 +161,7 @@ std::vector<TrialImage> PixelTrial::render(const scene::Instrument& instrument, 
   image.draw = draws_, image.pixels_per_run = pixels_per_run_;
   image.drawn_from = drawn_from_, image.left_out = left_out_;
   image.whole = whole_;
+  image.figure = simulation_.tolerance_of.figure, image.weight = weights_of_tiles();
   for (const auto& tile : tiles_)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
   std::vector<TrialImage> out(draws.size(), image);
@@ -224,7 +245,9 @@ TrialError PixelTrial::own_draw(int samples, int directions) {
   draw_pixels(static_cast<int>(looked_.size()), static_cast<int>(looked_.size()));
   // As many renders as are quick, of the program that the image takes: another number of samples is another program.
   const double all_s = static_cast<double>(pixels_) * pixel_cost_s(drawn, directions);
-  const int each = all_s < kLeastTrial_s ? kReferences : 1;
+  const bool rms =
+      simulation_.tolerance_of.figure == scene::ErrorFigure::rms;  // else references must be near the truth
+  const int each = all_s < kLeastTrial_s || !rms ? kReferences : 1;
   std::vector<render::PixelDraw> draws = {{simulation_.seed, 0}};
   for (int k = 0; k < 2 * each; ++k)
     draws.push_back({simulation_.seed + static_cast<std::uint64_t>(3 + k) * kOther, 0});

@@ -68,6 +68,8 @@ class PixelTrial {
   /// may be twice as far off as the next.
   TrialError own_draw(int samples, int directions);
 
+  /// Whether any pixel of the look has of the materials that the tolerance is of; else all pixels count.
+  bool meets_listed() const { return meets_listed_; }
   bool whole() const { return left_out_ <= 0; }         ///< the look saw every pixel, and so does a trial
   std::size_t pixels() const { return pixels_; }        ///< of the last trial
   std::size_t looked_at() const { return looked_at_; }  ///< of the first look
@@ -86,6 +88,8 @@ class PixelTrial {
   scene::Instrument sampled(int samples) const;
   double pixel_cost_s(const scene::Instrument& sampled, int directions);
   void make_look(int directions);
+  void weigh_look();
+  std::vector<float> weights_of_tiles() const;
   void draw_pixels(int draws, int whole);
   void make_references();
 
@@ -95,6 +99,8 @@ class PixelTrial {
   plan::Plan plan_;  ///< with the directions of the last render
   int look_directions_ = 0;
   std::vector<render::Tile> looked_;
+  std::vector<float> look_weight_;  ///< of each pixel of the look in the figure that is judged; empty: all alike
+  bool meets_listed_ = true;
   std::vector<double> look_error_;  ///< mean square that each of its runs was seen to err by
   std::vector<render::Tile> tiles_;
   std::vector<Draw> draws_;  ///< of the tiles; empty: the first look

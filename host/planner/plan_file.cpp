@@ -78,11 +78,27 @@ std::string write_plan_file(const PlanFile& file) {
               {"simulation", file.simulation_file},
               {"scene_hash", file.scene_hash},
               {"tolerance", file.tolerance},
+              {"tolerance_of", figure_name(file.tolerance_of.figure)},
+              {"tolerance_materials", file.tolerance_of.materials},
               {"seed", file.seed},
               {"instruments", list}}
              .dump(2) +
          "\n";
 }
+
+namespace {
+
+/// Of plans that do not say the rms over all pixels.
+scene::ToleranceMeasure measure_in(const Json& root, const std::string& path) {
+  try {
+    return {scene::figure_named(root.value("tolerance_of", "rms")),
+            root.value("tolerance_materials", std::vector<std::string>())};
+  } catch (const std::invalid_argument& unknown) {
+    refuse(path, std::string(unknown.what()) + "; there are rms, p99 and worst");
+  }
+}
+
+}  // namespace
 
 PlanFile read_plan_file(const std::string& path) {
   base::refuse_other_than_plain(path);
@@ -98,6 +114,7 @@ PlanFile read_plan_file(const std::string& path) {
     file.simulation_file = root.at("simulation").get<std::string>();
     file.scene_hash = root.at("scene_hash").get<std::string>();
     file.tolerance = root.at("tolerance").get<double>();
+    file.tolerance_of = measure_in(root, path);
     file.seed = root.at("seed").get<std::uint64_t>();
     for (const auto& item : root.at("instruments")) {
       PlanFile::Entry entry;
@@ -141,6 +158,9 @@ std::vector<std::string> changes_since(const PlanFile& file, const scene::Simula
     out.push_back("another scene (" + file.simulation_file + "), or the scene has changed since");
   if (file.tolerance != simulation.tolerance)
     out.push_back(fmt::format("a tolerance of {:g}, not {:g}", file.tolerance, simulation.tolerance));
+  if (file.tolerance_of != simulation.tolerance_of)
+    out.push_back(fmt::format("a tolerance of the {}, not of the {}", measure_text(file.tolerance_of),
+                              measure_text(simulation.tolerance_of)));
   if (file.seed != simulation.seed) out.push_back(fmt::format("seed {}, not {}", file.seed, simulation.seed));
   return out;
 }

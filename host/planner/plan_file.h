@@ -21,6 +21,7 @@ struct PlanFile {
   };
   std::string simulation_file, scene_hash;
   double tolerance = 0;
+  scene::ToleranceMeasure tolerance_of;
   std::uint64_t seed = 0;
   std::vector<Entry> entries;
 };
@@ -32,7 +33,8 @@ std::string write_plan_file(const PlanFile& file);
 /// Throws Error(input) with the place and the way out when the file is not a plan of this program.
 PlanFile read_plan_file(const std::string& path);
 
-/// What the plan was made for and the simulation is not (scene, tolerance, seed), each as a phrase; empty: nothing.
+/// What the plan was made for and the simulation is not (scene, tolerance and what it is of, seed), each as a phrase;
+/// empty: nothing.
 std::vector<std::string> changes_since(const PlanFile& file, const scene::Simulation& simulation);
 
 /// The entry of that name. Throws Error(input) that lists the names there are.

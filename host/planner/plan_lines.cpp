@@ -295,6 +295,8 @@ nlohmann::json lines_json(const std::vector<PlanLine>& lines) {
 
 nlohmann::json decision_json(const Decision& d, const std::vector<PlanLine>& lines) {
   Json out = {{"tolerance", d.tolerance},
+              {"tolerance_of", figure_name(d.measure.figure)},
+              {"tolerance_materials", d.measure.materials},
               {"samples", {d.sampling.samples_u, d.sampling.samples_v}},
               {"sampler", static_cast<int>(d.sampling.sampler)},
               {"sky_directions", d.sampling.directions},

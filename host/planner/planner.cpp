@@ -7,9 +7,11 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/planner/judged_pixels.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
 #include "host/planner/replicated.h"
@@ -31,8 +33,8 @@ constexpr double kWorthMeasuring = 0.3;  ///< of the tolerance: less takes 5 % o
 double squared(double x) { return x * x; }
 
 /// What nodes and components of this error leave of the tolerance to samples and sky.
-double left_of(double tolerance, double plan_error) {
-  return std::sqrt(std::max(0.0, squared(kUse * tolerance) - squared(plan_error)));
+double left_of(const scene::Simulation& simulation, double plan_error) {
+  return left_beside(simulation.tolerance_of.figure, kUse * simulation.tolerance, plan_error);
 }
 
 /// Level before `level` of a list, or 0.
@@ -135,7 +137,7 @@ class LevelSearch {
   }
 
   /// What nodes and components of this error leave of the tolerance to samples and sky.
-  double left_by(double plan_error) const { return left_of(simulation_.tolerance, plan_error); }
+  double left_by(double plan_error) const { return left_of(simulation_, plan_error); }
 
   /// Nominal seconds of the whole image if nodes and components err by this much; infinite where the look knows of no
   /// setting that would do.
@@ -175,11 +177,14 @@ class LevelSearch {
   }
 
   /// The next choice where a draw of this one is off by `drawn`, more than nodes and components leave.
-  Choice finer(double drawn) {
+  Choice finer(const Choice& choice, double drawn) {
     const double left = left_by(out_.plan_error);
-    stricter_ *= left / drawn;
     const LevelErrors known = [&](int n) { return of_samples_.errors(n); };
     const LevelErrors sky = [&](int k) { return sky_errors(k); };
+    stricter_ *= left / drawn;
+    // Of other figures the law may say less than the draw: then as much less than the law.
+    if (out_.measure.figure != scene::ErrorFigure::rms)
+      stricter_ = std::min(stricter_, bound_together(known(choice.samples), sky(choice.directions)) / drawn);
     return choose(
         known, sky, stricter_ * left, [&](int n, int k) { return cost_s(n, k); }, samples_, directions_);
   }
@@ -304,8 +309,9 @@ void take_errors(Decision& out, const Choice& choice, const ErrorLaw& of_samples
     out.samples_less_error = of_samples.estimate(less);
   if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given)
     out.sky_less_error = of_directions.estimate(less);
-  out.total_error = std::hypot(
-      out.plan_error, bound_together(of_samples.errors(choice.samples), of_directions.errors(choice.directions)));
+  out.total_error =
+      together(out.measure.figure, out.plan_error,
+               bound_together(of_samples.errors(choice.samples), of_directions.errors(choice.directions)));
   out.within = out.total_error <= out.tolerance;
 }
 
@@ -313,10 +319,10 @@ void take_errors(Decision& out, const Choice& choice, const ErrorLaw& of_samples
 void note_tolerance(Decision& out, const std::string& name) {
   if (!out.within)
     out.notes.push_back(fmt::format(
-        "{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples "
-        "{:.3g} %, sky directions {:.3g} %, each of its own worst band){}; raise the tolerance{}",
-        name, 100 * out.tolerance, 100 * out.total_error, 100 * out.plan_error, 100 * out.samples_error,
-        100 * out.sky_error,
+        "{}: the tolerance of {:.3g} % ({}) is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, "
+        "samples {:.3g} %, sky directions {:.3g} %, each of its own worst band){}; raise the tolerance{}",
+        name, 100 * out.tolerance, measure_text(out.measure), 100 * out.total_error, 100 * out.plan_error,
+        100 * out.samples_error, 100 * out.sky_error,
         out.samples_given || out.directions_given
             ? std::string(", with what the file gives")
             : fmt::format(", with the best that takes {:.0f} s per megapixel", kMost_s_per_megapixel),
@@ -339,7 +345,7 @@ bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& 
   return all_given || std::isinf(as_estimated_s) || as_estimated_s - search.image_s(out.plan_estimate / 2) > takes_s;
 }
 
-/// Of an image that is tried whole: refines the choice until the draw that it will have is inside the tolerance.
+/// Refines the choice until the draw that the image will have is inside the tolerance, in all pixels of the look.
 /// Returns the bound of that draw's error.
 double hold_draw(PixelTrial& trial, LevelSearch& search, const scene::Instrument& instrument,
                  const SamplePattern& pattern, Choice& choice, Decision& out) {
@@ -348,8 +354,9 @@ double hold_draw(PixelTrial& trial, LevelSearch& search, const scene::Instrument
     out.measured.push_back(fmt::format("{}, directions {}, the image's own draw: {:.2g} %, at most {:.2g} %",
                                        pattern.name(choice.samples), choice.directions, 100 * own.estimate,
                                        100 * own.bound));
-    if (std::hypot(out.plan_error, own.bound) <= out.tolerance || round == kMostRounds) return own.bound;
-    const Choice next = search.finer(own.bound);
+    if (together(out.measure.figure, out.plan_error, own.bound) <= out.tolerance || round == kMostRounds)
+      return own.bound;
+    const Choice next = search.finer(choice, own.bound);
     if (search.cost_s(next.samples, next.directions) <= search.cost_s(choice.samples, choice.directions))
       return own.bound;
     choice = next;
@@ -367,7 +374,7 @@ void share_paths(Decision& out, PixelTrial& trial) {
 /// Settles an image that costs less than a trial by rendering it; false: it is none, or would take more.
 bool replicate(Decision& out, render::Renderer& renderer, const scene::Simulation& simulation,
                const scene::Instrument& instrument, const plan::Plan& plan) {
-  const double left = left_of(simulation.tolerance, out.plan_error);
+  const double left = left_of(simulation, out.plan_error);
   if (left <= 0 || !may_replicate(simulation, instrument, plan)) return false;
   Replicates replicates = render_replicates(renderer, simulation, instrument, plan, left);
   out.measured = std::move(replicates.measured);
@@ -406,7 +413,7 @@ Decision as_given(const scene::Simulation& simulation, const scene::Instrument& 
                   instrument.first_samples};
   out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
   if (out.directions_given) out.sampling.paths_per_two = simulation.paths_per_two;
-  out.tolerance = simulation.tolerance;
+  out.tolerance = simulation.tolerance, out.measure = simulation.tolerance_of;
   out.plan_error = out.plan_estimate = plan.report.total_error;
   count_cost(out, plan);
   return out;
@@ -433,16 +440,25 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   if (replicate(out, renderer, simulation, instrument, plan)) return out;
   PixelTrial trial(renderer, simulation, instrument, plan, look_directions(out, simulation), std::move(progress));
   if (!out.directions_given) share_paths(out, trial);
+  if (!trial.meets_listed())
+    out.notes.push_back(
+        fmt::format("{}: none of {} pixels that were looked at has any of tolerance_materials ({}): all "
+                    "pixels count alike",
+                    instrument.name, trial.looked_at(), fmt::join(simulation.tolerance_of.materials, ", ")));
   LevelSearch search(trial, simulation, instrument, plan, out);
   if (measuring_pays(out, search, plan, all_given)) measure_plan(out, simulation, instrument, plan, table, threads);
   Choice choice = search.settle();
   const SamplePattern& pattern = sample_pattern(instrument);
   double drawn = -1;
-  if (trial.whole() && !out.samples_given && instrument.box_pixels())
+  // The trial's draws do not tell percentiles of errors as edges make them, a point more or less, without a reference.
+  const bool worth_a_reference = trial.whole() || out.measure.figure != scene::ErrorFigure::rms;
+  if (worth_a_reference && !out.samples_given && instrument.box_pixels())
     drawn = hold_draw(trial, search, instrument, pattern, choice, out);
   take_levels(out, plan, choice, pattern);
   take_errors(out, choice, search.of_samples(), search.of_directions(), sky, pattern);
-  if (drawn >= 0) out.total_error = std::hypot(out.plan_error, drawn), out.within = out.total_error <= out.tolerance;
+  if (drawn >= 0)
+    out.total_error = together(out.measure.figure, out.plan_error, drawn),
+    out.within = out.total_error <= out.tolerance;
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
   note_tolerance(out, instrument.name);
   return out;

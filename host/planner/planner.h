@@ -1,9 +1,11 @@
 // The planner: the cheapest samples of a pixel and sky directions whose errors, with those of the plan's nodes and
 // components, fit the tolerance (DESIGN 6). What the file gives is kept and its error estimated.
 //
+//   figure    errors are those that the tolerance is of (scene::ToleranceMeasure), the rms over all pixels by default
 //   budget    of every band s^2 + k^2 + kSure sqrt(ds^2 + dk^2 + 2 kTogether ds dk) + plan^2 <= (kUse tolerance)^2:
 //             errors of samples (s), directions (k) and plan are independent of each other; ds and dk are one standard
-//             error of s^2 and k^2 (band_errors.h); plan is the bound of its worst band
+//             error of s^2 and k^2 (band_errors.h); plan is the bound of its worst band; figures
+//             other than the rms are scaled from it (TrialError), and that of plan is added as it is
 //   errors    of each band over its mean radiance, measured on the trial's pixels; by power laws between levels
 //   cost      CostModel; two runs give one plan
 #pragma once
@@ -58,7 +60,8 @@ struct Decision {
   double sky_error = -1, sky_less_error = -1;
   double total_error = -1;  ///< bound of all together, of the worst band
   double tolerance = 0.01;
-  bool within = true;  ///< total_error <= tolerance
+  scene::ToleranceMeasure measure;  ///< what the errors below it and above it are of
+  bool within = true;               ///< total_error <= tolerance
   PixelCounts counts;
   double s_per_megapixel = 0;                   ///< nominal, by the cost model
   bool dear = false;                            ///< above kDear_s_per_megapixel

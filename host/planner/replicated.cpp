@@ -115,7 +115,7 @@ bool may_replicate(const scene::Simulation& simulation, const scene::Instrument&
   const bool open = !instrument.samples_given && !(simulation.sky_directions_given && plan.sends_rays());
   const bool plain = instrument.box_pixels() && instrument.first_samples == 0 &&
                      instrument.standard_error == scene::StandardError::off;
-  return open && plain && values_of(simulation, instrument) <= kMostValues &&
+  return open && plain && simulation.tolerance_of.plain() && values_of(simulation, instrument) <= kMostValues &&
          4 * replicate_s(instrument, plan) <= kFour_s;
 }
 

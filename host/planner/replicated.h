@@ -36,7 +36,7 @@ struct Replicates {
 };
 
 /// Whether an image of this plan is one for replicates: its samples and directions are the planner's, a pixel is the
-/// square of its samples, and four replicates take less than a trial.
+/// square of its samples, the tolerance is of the rms over all of them, and four replicates take less than a trial.
 bool may_replicate(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
 
 /// The size that is begun with: of which two to four would fit in an image full of small things, as far as four take no

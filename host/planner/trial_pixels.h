@@ -41,17 +41,23 @@ std::vector<render::Tile> joined(const std::vector<render::Tile>& runs, int colu
 /// Radiances of the trial's pixels.
 struct TrialImage {
   std::size_t bands = 0;
-  std::vector<std::size_t> run_end;  ///< pixels up to and with each run
-  std::vector<float> radiance;       ///< [pixel][band]
-  std::vector<Draw> draw;            ///< of each run; empty: an even draw, each once
-  double pixels_per_run = 0;         ///< on average, of the runs drawn from; 0: of these
-  double drawn_from = 0;             ///< so many runs; 0: of all the image
-  double left_out = 0;               ///< share of the image that those leave out
-  bool whole = false;                ///< every pixel of the image, once
+  std::vector<std::size_t> run_end;                     ///< pixels up to and with each run
+  std::vector<float> radiance;                          ///< [pixel][band]
+  std::vector<Draw> draw;                               ///< of each run; empty: an even draw, each once
+  double pixels_per_run = 0;                            ///< on average, of the runs drawn from; 0: of these
+  double drawn_from = 0;                                ///< so many runs; 0: of all the image
+  double left_out = 0;                                  ///< share of the image that those leave out
+  bool whole = false;                                   ///< every pixel of the image, once
+  scene::ErrorFigure figure = scene::ErrorFigure::rms;  ///< that errors are told by
+  std::vector<float> weight = {};  ///< of each pixel in that figure and in the bands' means; empty: all count alike
   std::size_t pixels() const { return bands ? radiance.size() / bands : 0; }
 };
 
-/// An error as DESIGN 5a has it, relative to the band's mean, of the worst band.
+/// An error by the image's figure, relative to the band's mean, of the worst band. The rms is as DESIGN 5a has it.
+/// Another figure is told as the rms times what it is over the rms among the errors that are seen of single pixels:
+/// what is known of their mean square without bias stays so, and as good as those of Gaussian draws are (of draws in
+/// two that differ a pixel's error is seen as their difference over the root of two). The worst pixel of an image that
+/// is not tried whole is extrapolated: excesses over a high error are exponential (Pickands, Ann. Stat. 3, 119, 1975).
 struct TrialError {
   double estimate = 0;  ///< from the mean square found (0 where that is below 0)
   double bound =

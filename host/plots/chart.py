@@ -105,8 +105,10 @@ def main():
     )
     for axis, device in zip(axes[0], devices):
         draw(axis, data, device)
+    figure_name = {"rms": "rms over", "p99": "99th percentile over", "worst": "worst of"}[data["tolerance_of"]]
+    listed = " of " + ", ".join(data["tolerance_materials"]) if data["tolerance_materials"] else ""
     axes[0][0].set_ylabel(
-        "error of the worst band: rms over pixels / band mean"
+        f"error of the worst band: {figure_name} pixels{listed} / band mean"
         if data["kind"] == "cube"
         else "error: rms of waveforms / rms of their peaks"
     )

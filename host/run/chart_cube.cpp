@@ -1,10 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
 #include "host/run/chart_point.h"
 #include "host/planner/cost_model.h"
+#include "host/planner/judged_pixels.h"
 #include "host/planner/open_share.h"
 #include "host/run/camera_job.h"
 #include "host/sensors/view_bounds.h"
@@ -29,6 +33,22 @@ plan::Plan reference_plan(const knobs::Subject& subject, const atmos::RenderTabl
   return plan::make_plan(subject.simulation, *subject.instrument, table, view);
 }
 
+/// Says by which figure, and of which of its pixels, settings are held against the reference.
+void judge_as_asked(study::Converged& reference, const knobs::Subject& subject, const plan::Plan& plan,
+                    const std::vector<render::Tile>& tiles, const render::RenderOptions& where) {
+  const scene::ToleranceMeasure& measure = subject.simulation.tolerance_of;
+  reference.figure = measure.figure;
+  if (measure.materials.empty()) return;
+  render::Renderer renderer(subject.simulation.scene, where);
+  reference.weight = planner::pixel_weights(renderer, subject.simulation, *subject.instrument, plan, tiles);
+  if (std::none_of(reference.weight.begin(), reference.weight.end(), [](float weight) { return weight > 0; }))
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("'{}': none of the {} pixels that are held against the reference has any of "
+                    "tolerance_materials ({}); give more --pixels, or name what it sees",
+                    subject.instrument->name, render::pixels_of(tiles), fmt::join(measure.materials, ", ")));
+}
+
 struct FoundChart {
   study::ErrorFigures error;
   study::Timing timing;
@@ -50,7 +70,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   Chart chart;
   chart.name = instrument.name;
   chart.kind = "cube";
-  chart.tolerance = simulation.tolerance;
+  chart.tolerance = simulation.tolerance, chart.measure = simulation.tolerance_of;
   chart.validated = render::pixels_of(tiles);
   study::ConvergedSettings settings;
   settings.threads = services.threads;
@@ -59,7 +79,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   if (subject.between_surfaces && finest.first_lamp() > 0)
     settings.levels = std::max(simulation.bounces, kReferenceBounces);
   study::Kept kept;
-  const study::Converged reference = study::kept_or(
+  study::Converged reference = study::kept_or(
       base::cache_folder("reference").string(),
       study::key_of(simulation, instrument, finest, job.table, tiles, settings),
       [&] {
@@ -70,6 +90,9 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
       &kept);
   if (!kept.warning.empty()) services.log.warning(kept.warning);
   if (kept.found) services.log.detail(instrument.name + ": reference from the cache");
+  render::RenderOptions first_device = given;
+  first_device.device = devices.front();
+  judge_as_asked(reference, subject, finest, tiles, first_device);
   chart.own_error = study::own_error(reference);
   chart.reference = "Embree and double, full tables, " + std::to_string(2 * settings.grid * settings.grid) +
                     " samples, " + std::to_string(2 * settings.grid * settings.grid * settings.per_sample) +

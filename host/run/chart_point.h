@@ -41,6 +41,7 @@ struct Chart {
   std::string what_time;   ///< one line: what the times are of
   double own_error = 0;    ///< of the reference
   double tolerance = 0;
+  scene::ToleranceMeasure measure;    ///< what tolerance and errors are of
   std::uint64_t validated = 0;        ///< pixels or pulses
   std::vector<std::string> machines;  ///< devices and processor
   std::vector<ChartPoint> points;

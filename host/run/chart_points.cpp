@@ -101,6 +101,8 @@ nlohmann::ordered_json chart_json(const Chart& chart) {
   return Json{{"name", chart.name},
               {"kind", chart.kind},
               {"tolerance", chart.tolerance},
+              {"tolerance_of", figure_name(chart.measure.figure)},
+              {"tolerance_materials", chart.measure.materials},
               {"reference", chart.reference},
               {"reference_error", chart.own_error},
               {"validated", chart.validated},

@@ -132,6 +132,30 @@ program.refused(
 program.refused("chart", sim, "--knob", "subrays", "-o", folder / "a", status=2, says=["none of the knobs"], env=env)
 program.refused("chart", sim, "--instrument", "radar", "-o", folder / "a", status=2, says=["radar", "camera"], env=env)
 
+# The same settings against the same reference by what the tolerance is of; of light squares alone, which are as many.
+by = {}
+for name, keys in (
+    ("rms", ""),
+    ("p99", 'tolerance_of = "p99"\n'),
+    ("worst", 'tolerance_of = "worst"\n'),
+    ("light", 'tolerance_of = "worst"\ntolerance_materials = ["light"]\n'),
+):
+    asked = folder / f"{name}.toml"
+    asked.write_text(sim.read_text().replace("format = 1\n", "format = 1\n" + keys, 1))
+    words = [asked if word == sim else folder / name if word == out else word for word in arguments]
+    said = run(*words, "--json", "-v", env=env)
+    check("reference from the cache" in said.stderr, said.stderr)
+    by[name] = json.loads(said.stdout)["camera"]
+figure_of = [by[name]["tolerance_of"] for name in by]
+check(figure_of == ["rms", "p99", "worst", "worst"] and by["light"]["tolerance_materials"] == ["light"], figure_of)
+for i, point in enumerate(by["rms"]["points"]):
+    p99, worst, light = (by[name]["points"][i] for name in ("p99", "worst", "light"))
+    check(point["rms"] == p99["rms"] == worst["rms"] and point["p95"] <= p99["error"], point, p99)
+    check(point["error"] < p99["error"] <= worst["error"] <= worst["error_high"], point, p99, worst)
+    check(0 < light["error"] < worst["error"], light, worst)  # over a mean that is brighter
+text = run(*[folder / "light.toml" if word == sim else word for word in arguments], "--overwrite", env=env).stdout
+check("tolerance 0.01 (worst of the pixels of light)" in text, text)
+
 # Pulses: waveforms converge with sub-rays; the reference has more of them than any level.
 laser = folder / "laser.toml"
 laser.write_text(SCENE.replace("AIR", "none") + LIDAR)

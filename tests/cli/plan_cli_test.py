@@ -183,4 +183,53 @@ with tempfile.TemporaryDirectory() as temporary:
     garden.write_text(garden.read_text().replace('bounces = "many"', "bounces = 65"))
     refused("plan", garden, status=2, says=["bounces", "65", '0 .. 64 or "auto"'])
 
+with tempfile.TemporaryDirectory() as temporary:
+    # What the tolerance is of: said in the table, kept in the plan's file, replayed, and asked for in one line.
+    folder = pathlib.Path(temporary)
+    plain = opened(scene(folder, "plain.toml", instrument='standard_error = "worst"'), 0.02)  # which takes a trial
+
+    def asked(name, keys):
+        file = folder / f"{name}.toml"
+        file.write_text(plain.read_text().replace("format = 1\n", "format = 1\n" + keys, 1))
+        return file
+
+    cost = {}
+    for figure, said in (("rms", "rms over"), ("p99", "99th percentile over"), ("worst", "worst of the")):
+        file = asked(figure, f'tolerance_of = "{figure}"\n')
+        text = run("plan", file, "-o", folder / f"{figure}.json").stdout
+        check(f"tolerance 2 % ({said} pixels)" in text and "inside the tolerance" in text, text)
+        told = json.loads((folder / f"{figure}.json").read_text())
+        decision = told["instruments"][0]["decision"]
+        check(told["tolerance_of"] == decision["tolerance_of"] == figure and decision["within_tolerance"], told)
+        check(told["tolerance_materials"] == [], told)
+        cost[figure] = decision["cost"]["nominal_s_per_megapixel"]
+    check(cost["rms"] <= cost["p99"] <= cost["worst"], cost)
+    default, rms = json.loads(run("plan", plain, "--json").stdout), json.loads((folder / "rms.json").read_text())
+    check({**default, "simulation": ""} == {**rms, "simulation": ""}, "the rms is not the default", default, rms)
+
+    listed = asked("listed", 'tolerance_of = "p99"\ntolerance_materials = ["dark", "middle"]\n')
+    text = run("plan", listed, "-o", folder / "listed.json").stdout
+    check("(99th percentile over pixels of dark, middle)" in text, text)
+    check(json.loads((folder / "listed.json").read_text())["tolerance_materials"] == ["dark", "middle"])
+    run("render", listed, "-o", folder / "chosen", "-q")
+    run("render", listed, "-o", folder / "replayed", "--plan", folder / "listed.json", "-q")
+    chosen, replayed = (record(folder / name / "camera") for name in ("chosen", "replayed"))
+    check(chosen["digest"] == replayed["digest"], "the replay differs")
+    for made in (chosen, replayed):
+        error = made["error"]
+        check(error["tolerance_of"] == "p99" and error["tolerance_materials"] == ["dark", "middle"], error)
+        check(error["within_tolerance"] and "replicates" not in error["from"], error)
+    other = run("render", asked("other", 'tolerance_of = "worst"\n'), "-o", folder / "other", "--plan",
+                folder / "listed.json")
+    check("99th percentile over pixels of dark, middle, not of the worst of the pixels" in other.stderr, other.stderr)
+    check(record(folder / "other/camera")["error"]["tolerance_of"] == "worst")
+
+    for name, keys, says in (
+        ("figure", 'tolerance_of = "median"\n', ["figure.toml:2:16", "median", "rms, p99, worst"]),
+        ("unknown", 'tolerance_materials = ["drak"]\n', ["unknown.toml:2", "unknown material", "'drak'", "dark"]),
+        ("none", "tolerance_materials = []\n", ["none.toml:2", "no pixel would count", "remove the key"]),
+        ("number", "tolerance_materials = [3]\n", ["number.toml:2", "tolerance_materials"]),
+    ):
+        refused("plan", asked(name, keys), status=2, says=says)
+
 print(f"plan_cli: {program.checks} checks")

@@ -47,6 +47,29 @@ TEST_CASE("S64 error bars: the reference's variance is taken off, and equal erro
   CHECK_THROWS_AS(study::error_of(reference, {1, 2}), base::Error);
 }
 
+TEST_CASE("S64 other figures than the rms: percentile and worst, and pixels by what they weigh") {
+  study::Converged reference;
+  reference.bands = 1;
+  std::vector<float> found;
+  for (int p = 0; p < 200; ++p) reference.radiance.push_back(2), found.push_back(2 + 0.01f * static_cast<float>(p));
+  reference.half.assign(200, 0.0);
+  reference.figure = scene::ErrorFigure::p99;  // 198 of 200 are at most the 198th: 1.97 / 2
+  study::ErrorFigures e = study::error_of(reference, found);
+  CHECK(e.worst == Approx(0.985));
+  CHECK(e.low == Approx(0.98));    // 0.7 % of 200 are 1.4 pixels less: the 197th
+  CHECK(e.high == Approx(0.995));  // and more: the 200th
+  reference.figure = scene::ErrorFigure::worst;
+  CHECK(study::error_of(reference, found).worst == Approx(0.995));
+  // The first hundred pixels alone, of which the mean is then taken too.
+  for (int p = 0; p < 200; ++p) reference.weight.push_back(p < 100 ? 0.5f : 0.0f);
+  for (std::size_t p = 100; p < 200; ++p) reference.radiance[p] = 50;
+  CHECK(study::error_of(reference, found).worst == Approx(0.495));
+  reference.figure = scene::ErrorFigure::rms;
+  e = study::error_of(reference, found);
+  CHECK(e.worst == Approx(std::sqrt(99.0 * 199 / 6) * 0.01 / 2));  // sum of squares to 99: 99 100 199 / 6
+  CHECK(e.p95 == Approx(0.47));
+}
+
 TEST_CASE("S64 Pareto front: what nothing beats in time and error, in order of time") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   //                       beaten by 2   front     front     as 2, later  beaten by 1  none      slower, same error as 2
