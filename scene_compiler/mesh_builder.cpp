@@ -25,10 +25,8 @@ using MeshIndex = std::map<std::string, std::int64_t>;
 
 std::string names_in(const MeshFile& file) {
   std::set<std::string> names;
-  for (const auto& part : file.parts) {
-    if (!part.material.empty()) names.insert(part.material);
-    if (!part.group.empty()) names.insert(part.group);
-  }
+  for (const auto& part : file.parts)
+    for (const std::string& name : part.names()) names.insert(name);
   std::string out;
   for (const auto& name : names) out += (out.empty() ? "" : ", ") + name;
   return out.empty() ? "none" : out;
@@ -48,25 +46,24 @@ void assign_materials(const Record& record, const MaterialTable& materials, Mesh
   std::set<std::string> without;
   for (std::size_t i = 0; i < file.parts.size(); ++i) {
     const auto& part = file.parts[i];
-    auto found = by_name.find(part.material);
-    if (found == by_name.end()) found = by_name.find(part.group);
-    if (found != by_name.end()) {
-      surface_of_part[i] = found->second;
-      used.insert(found->first);
+    const std::vector<std::string> names = part.names();
+    const auto first = std::find_if(names.begin(), names.end(), [&](const auto& name) { return by_name.count(name); });
+    if (first != names.end()) {
+      surface_of_part[i] = by_name.at(*first);
     } else if (fallback) {
       surface_of_part[i] = *fallback;
     } else if (std::find(file.mesh.surface.begin(), file.mesh.surface.end(), i) != file.mesh.surface.end()) {
       without.insert(part.material.empty() ? "group '" + part.group + "'" : "'" + part.material + "'");
     }
-    // Both names count as seen: a map may name a group whose parts all go by material.
-    if (by_name.count(part.group)) used.insert(part.group);
+    // All names count as seen: a map may name a group whose parts all go by material.
+    used.insert(names.begin(), names.end());
   }
   for (const auto& name : without)
     problems.add(record.where, "faces of " + record.text("file") + " have no material", name,
                  "name it in 'materials', or give 'material' for all others");
   for (const auto& [name, value] : map)
     if (!used.count(name))
-      problems.add(value.where, "mesh file has no material or group of that name", "'" + name + "'",
+      problems.add(value.where, "mesh file has no material, group or node of that name", "'" + name + "'",
                    record.text("file") + " has: " + names_in(file));
   for (auto& surface : file.mesh.surface) surface = surface_of_part[surface];
 }

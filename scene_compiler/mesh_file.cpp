@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
+#include <sstream>
 
 #include "host/base/limited_child.h"
 #include "scene_compiler/csv_file.h"
@@ -30,7 +32,7 @@ constexpr std::uint64_t kBase_bytes = 2ull << 30, kPerByte_bytes = 200;
 
 /// Faces of one material and one group as Assimp has them, its node's transform applied.
 struct Part {
-  std::string material, group;
+  MeshPart names;
   std::vector<std::array<float, 3>> vertices;
   std::vector<std::array<float, 2>> in_image;
   std::vector<std::uint32_t> face_corners, corners;
@@ -40,7 +42,17 @@ std::string vertex_text(const std::array<float, 3>& v) {
   return "(" + number_text(v[0]) + ", " + number_text(v[1]) + ", " + number_text(v[2]) + ")";
 }
 
-void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node, base::Parcel& parcel) {
+/// Names of the nodes from this one up, the nearest first. What all of a file hangs from is named by the file or by
+/// Assimp, unless it has a mesh itself.
+std::vector<std::string> names_above(const aiNode& node) {
+  std::vector<std::string> out;
+  for (const aiNode* at = &node; at != nullptr; at = at->mParent)
+    if (at->mName.length > 0 && (at->mParent != nullptr || at->mNumMeshes > 0)) out.emplace_back(at->mName.C_Str());
+  return out;
+}
+
+void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node,
+               const std::vector<std::string>& nodes, base::Parcel& parcel) {
   aiString material;
   if (mesh.mMaterialIndex < scene.mNumMaterials) scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
   std::vector<std::array<float, 3>> vertices(mesh.mNumVertices);
@@ -59,6 +71,8 @@ void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file
   parcel.value(true);
   parcel.text(material.C_Str());
   parcel.text(mesh.mName.C_Str());
+  parcel.value(static_cast<std::uint64_t>(nodes.size()));
+  for (const std::string& node : nodes) parcel.text(node);
   parcel.list(vertices.data(), vertices.size());
   parcel.list(in_image.data(), in_image.size());
   parcel.list(face_corners.data(), face_corners.size());
@@ -68,7 +82,7 @@ void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file
 void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, base::Parcel& parcel) {
   const aiMatrix4x4 file_from_node = parent * node.mTransformation;
   for (unsigned i = 0; i < node.mNumMeshes; ++i)
-    send_mesh(scene, *scene.mMeshes[node.mMeshes[i]], file_from_node, parcel);
+    send_mesh(scene, *scene.mMeshes[node.mMeshes[i]], file_from_node, names_above(node), parcel);
   for (unsigned i = 0; i < node.mNumChildren; ++i) send_node(scene, *node.mChildren[i], file_from_node, parcel);
 }
 
@@ -100,7 +114,7 @@ class Importer {
 
   void add_mesh(const Part& mesh) {
     const auto part = static_cast<std::uint32_t>(out.parts.size());
-    out.parts.push_back({mesh.material, mesh.group});
+    out.parts.push_back(mesh.names);
     const auto first = static_cast<std::uint32_t>(out.mesh.vertices.size());
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       const auto& v = mesh.vertices[i];
@@ -170,7 +184,33 @@ class Importer {
   std::vector<std::array<double, 3>> corners_;
 };
 
+/// The words of a text.
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+/// A part's names as the child sends them; the groups of an OBJ's face stand in one name, apart by spaces.
+MeshPart read_names(base::Unpacked& read, bool obj) {
+  MeshPart out;
+  out.material = read.text(), out.group = read.text();
+  const auto nodes = read.value<std::uint64_t>();
+  if (obj) out.others = words_of(out.group);
+  for (std::uint64_t i = 0; i < nodes; ++i) out.others.push_back(read.text());
+  return out;
+}
+
 }  // namespace
+
+std::vector<std::string> MeshPart::names() const {
+  std::vector<std::string> out;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty() && std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+  };
+  add(material), add(group);
+  for (const std::string& name : others) add(name);
+  return out;
+}
 
 bool zero_area(const std::array<float, 3>& a, const std::array<float, 3>& b, const std::array<float, 3>& c) {
   const std::array<double, 3> e{double(b[0]) - a[0], double(b[1]) - a[1], double(b[2]) - a[2]};
@@ -209,7 +249,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   Importer reader(file, unit_m, y_up, strict, problems);
   while (read.value<bool>()) {
     Part part;
-    part.material = read.text(), part.group = read.text();
+    part.names = read_names(read, obj);
     part.vertices = read.list<std::array<float, 3>>();
     part.in_image = read.list<std::array<float, 2>>();
     part.face_corners = read.list<std::uint32_t>(), part.corners = read.list<std::uint32_t>();

@@ -13,7 +13,13 @@ namespace raycube::scene {
 /// Faces of one material and one group of a file.
 struct MeshPart {
   std::string material;  ///< as the file names it; "" when it names none
-  std::string group;
+  std::string group;     ///< the mesh (glTF), the object or the groups (OBJ: what follows o or g)
+  /// Further names: of an OBJ's several groups each; the nodes of the file's scene that the faces hang from, the
+  /// nearest first.
+  std::vector<std::string> others;
+
+  /// Every name that is not empty, those that go first before the others.
+  std::vector<std::string> names() const;
 };
 
 /// A file's triangles. mesh.surface holds the index of the part until materials are assigned.

@@ -169,7 +169,37 @@ Json table_schema(std::string_view path) {
   return out;
 }
 
+/// What a key may be: choices, or range and number of values.
+std::string allowed_text(const KeySpec& spec) {
+  if (spec.type == KeyType::choice || spec.type == KeyType::choices) return choices_text(spec);
+  const std::string range = range_text(spec);
+  if (spec.shape.empty()) return range;
+  std::string lengths(spec.shape);
+  if (const auto last = lengths.rfind('|'); last != std::string::npos) lengths.replace(last, 1, " or ");
+  for (auto bar = lengths.find('|'); bar != std::string::npos; bar = lengths.find('|')) lengths.replace(bar, 1, ", ");
+  return range + (range.empty() ? "" : "; ") +
+         (spec.type == KeyType::integer_or_word ? "or \"" + lengths + "\"" : lengths + " values");
+}
+
 }  // namespace
+
+std::string options_json() {
+  Json tables = Json::array();
+  for (const auto& table : option_tables()) {
+    Json keys = Json::array();
+    for (const auto& spec : option_keys()) {
+      if (spec.table != table.path) continue;
+      Json key = {{"key", spec.key}, {"type", type_name(spec.type)}, {"required", spec.required()}};
+      if (!spec.unit.empty()) key["unit"] = spec.unit;
+      if (spec.has_default()) key["default"] = default_value(spec);
+      if (const std::string allowed = allowed_text(spec); !allowed.empty()) key["range"] = allowed;
+      key["meaning"] = spec.text;
+      keys.push_back(std::move(key));
+    }
+    tables.push_back({{"table", table.path}, {"meaning", table.text}, {"keys", std::move(keys)}});
+  }
+  return Json{{"tables", std::move(tables)}}.dump(2) + "\n";
+}
 
 std::string options_json_schema() {
   Json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "raycube simulation file"}};
@@ -188,21 +218,12 @@ std::string options_markdown() {
     out += "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
     for (const auto& spec : option_keys()) {
       if (spec.table != table.path) continue;
-      const bool chosen = spec.type == KeyType::choice || spec.type == KeyType::choices;
-      std::string range = chosen ? choices_text(spec) : range_text(spec);
-      if (!chosen && !spec.shape.empty()) {
-        std::string lengths(spec.shape);
-        if (const auto last = lengths.rfind('|'); last != std::string::npos) lengths.replace(last, 1, " or ");
-        for (auto bar = lengths.find('|'); bar != std::string::npos; bar = lengths.find('|'))
-          lengths.replace(bar, 1, ", ");
-        range += (range.empty() ? "" : "; ") +
-                 (spec.type == KeyType::integer_or_word ? "or \"" + lengths + "\"" : lengths + " values");
-      }
       const std::string fallback = spec.required()      ? "required"
                                    : spec.has_default() ? "`" + std::string(spec.fallback) + "`"
                                                         : "";
       out += "| `" + std::string(spec.key) + "` | " + std::string(type_name(spec.type)) + " | " +
-             std::string(spec.unit) + " | " + fallback + " | " + range + " | " + std::string(spec.text) + " |\n";
+             std::string(spec.unit) + " | " + fallback + " | " + allowed_text(spec) + " | " + std::string(spec.text) +
+             " |\n";
     }
     out += "\n";
   }

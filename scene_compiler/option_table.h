@@ -71,6 +71,8 @@ bool is_choice(const KeySpec& spec, std::string_view value);
 
 /// The tables of docs/scene_format.md between its "generated" marks: one Markdown section per table.
 std::string options_markdown();
+/// The same as JSON: a list of tables with their keys, each with type, unit, default, range and meaning.
+std::string options_json();
 /// JSON Schema (draft 2020-12) of a simulation file.
 std::string options_json_schema();
 

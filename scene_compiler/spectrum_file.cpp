@@ -333,4 +333,23 @@ std::vector<Material> read_family(const SpectrumRequest& request, Problems& prob
   return out;
 }
 
+std::vector<Material> read_spectra(const SpectrumRequest& request, Problems& problems) {
+  const FileKind kind = kind_of(request, problems);
+  if (kind == FileKind::header) return {};
+  if (kind == FileKind::library) return library_family(request, problems);
+  bool known = false;
+  const auto file = read_spectrometer_file(request.file, request.wavelengths, request.asked_by, known, problems);
+  if (known && !file) return {};
+  if (!file) {
+    const auto csv = read_csv(request.file, request.asked_by, problems);
+    if (!csv) return {};
+    if (std::find(csv->columns.begin(), csv->columns.end(), request.transmittance_column) == csv->columns.end())
+      return csv_family(request, problems);
+  }
+  auto one = file ? spectrometer_spectrum(*file, request, problems) : read_csv_spectrum(request, problems);
+  if (!one) return {};
+  if (one->name.empty() && file) one->name = file->name;
+  return {std::move(*one)};
+}
+
 }  // namespace raycube::scene

@@ -32,6 +32,11 @@ std::optional<Material> read_spectrum(const SpectrumRequest& request, base::Prob
 /// request's columns and name say nothing. Empty after reporting every problem.
 std::vector<Material> read_family(const SpectrumRequest& request, base::Problems& problems);
 
+/// Every spectrum that such a file holds, whatever columns and names are asked for: one of a spectrometer's file, and
+/// of a CSV with reflectance and transmittance; else all of a library, or each column beside the wavelength's. Empty
+/// after reporting every problem.
+std::vector<Material> read_spectra(const SpectrumRequest& request, base::Problems& problems);
+
 /// Unit of a wavelength column "wavelength_nm" or "wavelength_um" in um; nullopt for other names.
 std::optional<double> wavelength_unit_um(const std::string& column);
 

@@ -174,4 +174,11 @@ Option& OptionTable::optional_argument(const std::string& placeholder, const std
   return row;
 }
 
+Option& OptionTable::arguments(const std::string& placeholder, const std::string& help,
+                               std::vector<std::string>& values) {
+  Option& row = texts(placeholder, placeholder, help, values);
+  row.positional = row.required = true;
+  return row;
+}
+
 }  // namespace raycube::base

@@ -57,6 +57,8 @@ class OptionTable {
   /// Positional arguments, in order of declaration.
   Option& argument(const std::string& placeholder, const std::string& help, std::string& value);
   Option& optional_argument(const std::string& placeholder, const std::string& help, std::string& value);
+  /// One or more, the last of the positional arguments.
+  Option& arguments(const std::string& placeholder, const std::string& help, std::vector<std::string>& values);
 
   const std::vector<Option>& rows() const { return rows_; }
   std::vector<Option>& rows() { return rows_; }

@@ -9,6 +9,7 @@
 #include "host/base/interrupt.h"
 #include "host/base/memory.h"
 #include "host/base/progress.h"
+#include "host/cli/info_statistics.h"
 #include "host/products/cube_statistics.h"
 
 namespace raycube::cli {
@@ -24,16 +25,6 @@ std::string band_text(const EnviHeader& h, std::size_t band) {
   else if (const auto um = h.wavelength_um(); band < um.size() && !h.is_spectral_library())
     text += fmt::format(" {:.6g} um", um[band]);
   return text;
-}
-
-Json statistics_json(const BandStatistics& s) {
-  return {{"count", s.count},
-          {"min", s.min},
-          {"max", s.max},
-          {"mean", s.mean},
-          {"standard_deviation", s.standard_deviation()},
-          {"ignored", s.ignored},
-          {"not_finite", s.not_finite}};
 }
 
 Json header_json(const EnviHeader& h) {
@@ -94,14 +85,6 @@ void print_header(std::ostream& out, const EnviPaths& paths, const EnviHeader& h
     line("spectra", fmt::format("{}: {} ...", h.spectra_names.size(), h.spectra_names.front()));
 }
 
-std::string statistics_line(const std::string& name, const BandStatistics& s) {
-  std::string text = fmt::format("  {:<24} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}", name, s.min, s.max, s.mean,
-                                 s.standard_deviation());
-  if (s.ignored) text += fmt::format("  {} ignored", s.ignored);
-  if (s.not_finite) text += fmt::format("  {} not finite", s.not_finite);
-  return text + "\n";
-}
-
 }  // namespace
 
 void print_cube_info(Invocation& invocation, const std::string& path, bool header_only, bool every_band) {
@@ -135,7 +118,7 @@ void print_cube_info(Invocation& invocation, const std::string& path, bool heade
   }
   print_header(invocation.out, paths, h);
   if (bands.empty()) return;
-  invocation.out << fmt::format("  {:<24} {:>12} {:>12} {:>12} {:>12}\n", "statistics", "min", "max", "mean", "std");
+  invocation.out << statistics_title();
   if (every_band || bands.size() <= 12)
     for (std::size_t b = 0; b < bands.size(); ++b) invocation.out << statistics_line(band_text(h, b), bands[b]);
   if (bands.size() > 1) invocation.out << statistics_line("all bands", merged(bands));

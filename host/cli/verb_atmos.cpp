@@ -17,6 +17,7 @@
 #include "host/cli/air_options.h"
 #include "host/run/air_table.h"
 #include "host/cli/atmos_compare.h"
+#include "host/cli/atmos_export.h"
 #include "host/cli/atmos_import.h"
 #include "host/cli/atmos_lidar.h"
 #include "host/cli/atmos_plot.h"
@@ -301,7 +302,7 @@ Verb verb_atmos_info() {
 
 Verb verb_atmos() {
   Verb verb("atmos", "Build, describe, draw and compare render tables of the air; read what other codes wrote");
-  verb.verbs = {verb_atmos_build(),  verb_atmos_info(),    verb_atmos_plot(),
+  verb.verbs = {verb_atmos_build(),  verb_atmos_info(),    verb_atmos_plot(), verb_atmos_export(),
                 verb_atmos_import(), verb_atmos_compare(), verb_atmos_lidar()};
   return verb;
 }

@@ -18,8 +18,12 @@
 #include "host/base/publication.h"
 #include "host/cli/info_cube.h"
 #include "host/cli/info_las.h"
+#include "host/cli/info_mesh.h"
+#include "host/cli/info_picture.h"
+#include "host/cli/info_spectra.h"
 #include "host/cli/verb.h"
 #include "host/products/envi_reader.h"
+#include "host/products/picture_reader.h"
 #include "host/products/verify_run.h"
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/scene_info.h"
@@ -179,6 +183,12 @@ int run(Invocation& invocation, const InfoRequest& options) {
     print_run_file(invocation, path);
   else if (extension == ".las" || extension == ".LAS" || extension == ".laz")
     print_las_info(invocation, path);
+  else if (is_mesh_file(path))
+    print_mesh_info(invocation, path);
+  else if (products::is_picture(path))
+    print_picture_info(invocation, path, options.header_only);
+  else if (is_spectrum_file(path))
+    print_spectra_info(invocation, path);
   else
     print_cube_info(invocation, path, options.header_only, options.every_band);
   return 0;
@@ -191,13 +201,17 @@ Verb verb_info() {
   Verb verb("info", "Say what a product, scene or table holds");
   verb.description =
       "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a "
-      "render table (.rct), a point cloud (.las), a run record (.json), the folder "
+      "render table (.rct), a point cloud (.las), a picture (OpenEXR, PNG, JPEG, TIFF), a mesh (.obj, .ply, .gltf and "
+      "others: its parts by name), spectra (.csv, and as laboratories and field spectrometers write them), a run "
+      "record (.json), the "
+      "folder "
       "of a run, or a folder of such folders. --verify names, of each file that is not as it was written, the first "
       "block of 4 MiB that "
       "differs. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are "
       "counted apart.";
   verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest",
-                   "raycube info out/als/returns.las", "raycube info --verify out/spectir"};
+                   "raycube info out/als/returns.las", "raycube info out/spectir/preview.exr",
+                   "raycube info --verify out/spectir"};
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "What to look at", options->file);
     table.flag("--header", "Of an image the header alone, without reading its samples", options->header_only);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 #include "host/cli/dry_run.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
@@ -22,7 +23,13 @@ namespace raycube::cli {
 namespace {
 
 struct RenderRequest {
-  std::string file, instrument, plan;
+  std::vector<std::string> files;
+  std::string instrument, plan;
+};
+
+/// One of the files, and where its instruments' folders go.
+struct RenderedFile {
+  std::string file, folder;
 };
 
 /// What --json says of a cube that is whole.
@@ -67,20 +74,21 @@ struct Done {
   std::vector<Told> told;
 };
 
-/// One invocation of the verb.
+/// One simulation file.
 class Rendering {
  public:
-  Rendering(const RenderRequest& options, Invocation& invocation, Done& done)
-      : options_(options),
+  Rendering(const RenderedFile& what, const RenderRequest& options, Invocation& invocation, Done& done)
+      : what_(what),
+        options_(options),
         invocation_(invocation),
         done_(done),
         services_(services_of(invocation)),
         settings_(render_options(invocation.common)) {}
 
-  int execute() {
+  void execute() {
     const auto start = std::chrono::steady_clock::now();
     const scene::Simulation simulation =
-        run::load_job(options_.file, invocation_.common.seed, services_, invocation_.common.set);
+        run::load_job(what_.file, invocation_.common.seed, services_, invocation_.common.set);
     load_s_ = base::seconds_since(start);
     const auto instruments = run::pick_instruments(simulation, options_.instrument);
     const auto lidars = run::pick_lidars(simulation, options_.instrument);
@@ -92,15 +100,10 @@ class Rendering {
     render_cameras(simulation, instruments);
     planning_.renderer = nullptr;  // it went with the cameras
     for (const auto* lidar : lidars) render_one(simulation, *lidar);
-    print();
-    return 0;
   }
 
  private:
-  std::string folder_of(const std::string& name) const {
-    const std::filesystem::path out = invocation_.common.output.empty() ? "out" : invocation_.common.output;
-    return (out / name).string();
-  }
+  std::string folder_of(const std::string& name) const { return (std::filesystem::path(what_.folder) / name).string(); }
 
   run::Destination destination_of(const std::string& name) const {
     return {folder_of(name), if_exists(invocation_.common), invocation_.command_line, load_s_};
@@ -159,16 +162,7 @@ class Rendering {
     done_.told.push_back({to_json(whole), whole.main_file + "\n"});
   }
 
-  void print() const {
-    if (!invocation_.common.json) {
-      for (const auto& one : done_.told) invocation_.out << one.text;
-      return;
-    }
-    nlohmann::json all = nlohmann::json::array();
-    for (const auto& one : done_.told) all.push_back(one.json);
-    invocation_.out << nlohmann::json{{"instruments", all}}.dump(2) << "\n";
-  }
-
+  const RenderedFile& what_;
   const RenderRequest& options_;
   Invocation& invocation_;
   Done& done_;
@@ -180,10 +174,9 @@ class Rendering {
 };
 
 /// An error that comes after some instruments are whole says that they stay, and how to go on.
-int run_and_keep(const RenderRequest& options, Invocation& invocation) {
-  Done done;
+void render_and_keep(const RenderedFile& what, const RenderRequest& options, Invocation& invocation, Done& done) {
   try {
-    return Rendering(options, invocation, done).execute();
+    Rendering(what, options, invocation, done).execute();
   } catch (const base::Error& error) {
     if (done.folders.empty() || done.folders.size() == done.names.size()) throw;
     std::string kept, rest;
@@ -192,6 +185,61 @@ int run_and_keep(const RenderRequest& options, Invocation& invocation) {
       rest += (rest.empty() ? "--instrument " : ", then --instrument ") + done.names[i];
     throw base::Error(error.fault(), std::string(error.what()) + "; whole and kept: " + kept + "; go on with " + rest);
   }
+}
+
+/// The files with their folders: of one the output folder, of several each its own in it, by the file's name.
+std::vector<RenderedFile> files_of(const RenderRequest& options, const CommonOptions& common) {
+  const std::filesystem::path out = common.output.empty() ? "out" : common.output;
+  if (options.files.size() == 1) return {{options.files.front(), out.string()}};
+  if (!options.plan.empty())
+    throw base::Error(base::Fault::input, "--plan is of one simulation (found " + std::to_string(options.files.size()) +
+                                              " files); render each with its own");
+  std::vector<RenderedFile> all;
+  for (const std::string& file : options.files) {
+    const std::string folder = (out / std::filesystem::path(file).stem()).string();
+    for (const RenderedFile& other : all)
+      if (other.folder == folder)
+        throw base::Error(base::Fault::input, file + ": its products would go to " + folder + " as those of " +
+                                                  other.file + "; rename one, or render them one by one");
+    all.push_back({file, folder});
+  }
+  return all;
+}
+
+nlohmann::json instruments_json(const Done& done) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& one : done.told) all.push_back(one.json);
+  return all;
+}
+
+/// One after the other; one that fails is told of, and the others are rendered all the same. The exit status is that of
+/// the first that failed.
+int render_files(const RenderRequest& options, Invocation& invocation) {
+  const std::vector<RenderedFile> files = files_of(options, invocation.common);
+  nlohmann::json all = nlohmann::json::array();
+  int status = 0;
+  for (const RenderedFile& what : files) {
+    Done done;
+    nlohmann::json said = {{"file", what.file}};
+    try {
+      render_and_keep(what, options, invocation, done);
+    } catch (const base::Error& error) {
+      if (files.size() == 1 || error.fault() == base::Fault::interrupted || base::interrupted_by_now()) throw;
+      invocation.log.error(error.what());
+      said["error"] = error.what();
+      if (status == 0) status = error.exit_status();
+    }
+    said["instruments"] = instruments_json(done);
+    all.push_back(std::move(said));
+    if (!invocation.common.json)
+      for (const auto& one : done.told) invocation.out << one.text;
+  }
+  if (invocation.common.json)
+    invocation.out << (files.size() == 1 ? nlohmann::json{{"instruments", all[0]["instruments"]}}
+                                         : nlohmann::json{{"simulations", all}})
+                          .dump(2)
+                   << "\n";
+  return status;
 }
 
 }  // namespace
@@ -207,20 +255,23 @@ Verb verb_render() {
       "whole, and as one: `raycube info --verify` holds them against the hashes in run.json. Instruments "
       "that are whole stay when a later one fails.\n\nSamples, sky directions and sub-rays that the file "
       "does not give are chosen by the tolerance (see `raycube plan`); "
-      "run.json holds every line of the plan.\n\nThe result on stdout is the path of each cube, one a line.";
+      "run.json holds every line of the plan.\n\nOf several files each gets a folder of its own in the output "
+      "folder, named as the file without its ending; one that fails is told of and the others are rendered.\n\nThe "
+      "result on stdout is the path of each cube, one a line.";
   verb.examples = {"raycube render park.toml -o out",
-                   "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
+                   "raycube render park.toml --instrument spectir --memory 1G --overwrite",
+                   "raycube render morning.toml noon.toml -o day"};
   verb.common = kOutput | kDryRun | kCompute | kSet;
   verb.output_default = "out";
   verb.add_options = [options](base::OptionTable& table) {
-    table.argument("FILE", "The simulation file (TOML)", options->file);
+    table.arguments("FILE", "The simulation file (TOML), or several", options->files);
     table.text("--instrument", "NAME", "Only this instrument", options->instrument);
     table.text(
         "--plan", "FILE",
         "Settings that `raycube plan -o FILE` chose, instead of planning; of another scene they are a first guess",
         options->plan);
   };
-  verb.run = [options](Invocation& invocation) { return run_and_keep(*options, invocation); };
+  verb.run = [options](Invocation& invocation) { return render_files(*options, invocation); };
   return verb;
 }
 

@@ -95,12 +95,13 @@ Verb verb_scene_compile() {
   return verb;
 }
 
-/// A verb that prints one text of the format and reads nothing.
-Verb printing(const char* name, const char* summary, const char* example, std::string (*text)()) {
+/// A verb that prints one text of the format, or its JSON, and reads nothing.
+Verb printing(const char* name, const char* summary, const char* example, std::string (*text)(),
+              std::string (*json)()) {
   Verb verb(name, summary);
   verb.examples = {example};
-  verb.run = [text](Invocation& invocation) {
-    invocation.out << text();
+  verb.run = [text, json](Invocation& invocation) {
+    invocation.out << (invocation.common.json ? json() : text());
     return 0;
   };
   return verb;
@@ -110,11 +111,12 @@ Verb printing(const char* name, const char* summary, const char* example, std::s
 
 Verb verb_scene() {
   Verb verb("scene", "Look at a scene, check it, compile it, print its format");
-  verb.verbs = {verb_scene_info(), verb_scene_check(), verb_scene_compile(),
-                printing("schema", "Print the JSON schema of simulation files",
-                         "raycube scene schema > raycube.schema.json", scene::options_json_schema),
-                printing("keys", "Print every key of simulation files as Markdown tables", "raycube scene keys",
-                         scene::options_markdown)};
+  verb.verbs = {
+      verb_scene_info(), verb_scene_check(), verb_scene_compile(),
+      printing("schema", "Print the JSON schema of simulation files", "raycube scene schema > raycube.schema.json",
+               scene::options_json_schema, scene::options_json_schema),
+      printing("keys", "Print every key of simulation files as Markdown tables", "raycube scene keys",
+               scene::options_markdown, scene::options_json)};
   return verb;
 }
 

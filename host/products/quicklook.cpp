@@ -12,6 +12,7 @@ namespace raycube::products {
 namespace {
 
 constexpr double kLargestPixels = 1 << 20;
+constexpr std::int64_t kShownSide = 512;  ///< of a small image's longer side, at most
 constexpr double kLowShare = 0.02, kHighShare = 0.98;
 
 /// Value below which a share of the sorted values lies: nearest rank.
@@ -19,6 +20,20 @@ float quantile(std::vector<float>& values, double share) {
   const auto rank = static_cast<std::ptrdiff_t>(std::llround(share * static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
   return values[static_cast<std::size_t>(rank)];
+}
+
+/// Rows of pixels with each as a square of so many.
+std::vector<std::uint8_t> enlarged(const std::vector<std::uint8_t>& pixels, std::size_t width, std::size_t channels,
+                                   std::size_t factor) {
+  std::vector<std::uint8_t> out;
+  out.reserve(pixels.size() * factor * factor);
+  for (std::size_t row = 0; row < pixels.size(); row += width * channels)
+    for (std::size_t again = 0; again < factor; ++again)
+      for (std::size_t at = row; at < row + width * channels; at += channels)
+        for (std::size_t k = 0; k < factor; ++k)
+          out.insert(out.end(), pixels.begin() + static_cast<std::ptrdiff_t>(at),
+                     pixels.begin() + static_cast<std::ptrdiff_t>(at + channels));
+  return out;
 }
 
 }  // namespace
@@ -69,6 +84,10 @@ void Quicklook::add(const Strip& strip) {
   next_line_ += strip.lines;
 }
 
+int Quicklook::enlarged_by() const {
+  return static_cast<int>(std::max<std::int64_t>(1, kShownSide / std::max(width_, height_)));
+}
+
 std::vector<Quicklook::Stretch> Quicklook::write(base::OutputFile& file,
                                                  const std::vector<std::string>& band_text) const {
   const std::size_t channels = bands_.size();
@@ -101,8 +120,13 @@ std::vector<Quicklook::Stretch> Quicklook::write(base::OutputFile& file,
   }
   text += " (2nd to 98th percentile)";
   if (step_ > 1) text += fmt::format("; means over {0} x {0} pixels", step_);
-  write_png(file, static_cast<std::uint32_t>(width_), static_cast<std::uint32_t>(height_), static_cast<int>(channels),
-            pixels, {{"Description", text}, {"Software", "raycube"}});
+  const int factor = enlarged_by();
+  if (factor > 1) {
+    pixels = enlarged(pixels, static_cast<std::size_t>(width_), channels, static_cast<std::size_t>(factor));
+    text += fmt::format("; each pixel as {0} x {0}", factor);
+  }
+  write_png(file, static_cast<std::uint32_t>(width_ * factor), static_cast<std::uint32_t>(height_ * factor),
+            static_cast<int>(channels), pixels, {{"Description", text}, {"Software", "raycube"}});
   return stretches;
 }
 

@@ -21,15 +21,17 @@ class Quicklook {
     double low = 0, high = 0;  ///< values shown black and full, in the cube's unit
   };
 
-  /// One (grey) or three (RGB) 0-based bands. Images above 2^20 pixels are averaged over squares, so memory is bounded.
+  /// One (grey) or three (RGB) 0-based bands. Images above 2^20 pixels are averaged over squares, so memory is bounded;
+  /// each pixel of a small one is shown as a square, so that its longer side has about 512.
   Quicklook(std::int64_t samples, std::int64_t lines, std::vector<int> bands);
   /// Next lines of the cube, in line order; the strip must state its pixel stride.
   void add(const Strip& strip);
-  /// Stretches and writes the PNG; its tEXt chunk "Description" says bands, limits and averaging. `band_text[i]` names
-  /// band i of the constructor ("650 nm").
+  /// Stretches and writes the PNG; its tEXt chunk "Description" says bands, limits, averaging and squares.
+  /// `band_text[i]` names band i of the constructor ("650 nm").
   std::vector<Stretch> write(base::OutputFile& file, const std::vector<std::string>& band_text) const;
 
   int averaged_over() const { return step_; }  ///< side of the averaged squares, pixels
+  int enlarged_by() const;                     ///< side of the square that each pixel is shown as
 
  private:
   std::int64_t samples_, lines_, width_, height_, next_line_ = 0;

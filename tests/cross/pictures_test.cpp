@@ -136,17 +136,22 @@ TEST_CASE("quicklook: percentiles of a known ramp, black and full outside them, 
   CHECK(stretch[2].low == stretch[2].high);
   unsigned width = 0, height = 0;
   const auto pixels = read_png(folder / "q.png", PNG_FORMAT_RGB, width, height);
-  CHECK(width == 101);
-  CHECK(height == 1);
-  CHECK(pixels[0] == 0);
-  CHECK(pixels[100 * 3] == 255);
-  CHECK(pixels[50 * 3] == 0);
-  CHECK(pixels[50 * 3 + 1] == 128);  // (950 - 902) / 96 = 0.5
-  CHECK(pixels[26 * 3 + 1] == 191);  // (974 - 902) / 96 = 0.75
-  CHECK(pixels[50 * 3 + 2] == 128);
+  // Small as it is each pixel is shown as a square of 5 x 5, of one colour.
+  REQUIRE(width == 505);
+  REQUIRE(height == 5);
+  for (std::size_t y = 0; y < 5; ++y)
+    for (std::size_t k = 0; k < 5; ++k) {
+      const auto at = [&](std::size_t x, std::size_t channel) { return pixels[(y * 505 + 5 * x + k) * 3 + channel]; };
+      CHECK(at(0, 0) == 0);
+      CHECK(at(100, 0) == 255);
+      CHECK(at(50, 0) == 0);
+      CHECK(at(50, 1) == 128);  // (950 - 902) / 96 = 0.5
+      CHECK(at(26, 1) == 191);  // (974 - 902) / 96 = 0.75
+      CHECK(at(50, 2) == 128);
+    }
   const std::string text = folder.read("q.png");
   CHECK(text.find("green: band 2 (550 nm), linear from 902 to 998") != std::string::npos);
-  CHECK(text.find("2nd to 98th percentile") != std::string::npos);
+  CHECK(text.find("2nd to 98th percentile); each pixel as 5 x 5") != std::string::npos);
 }
 
 TEST_CASE("quicklook of a large image is averaged: memory stays bounded") {

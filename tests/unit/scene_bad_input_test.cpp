@@ -317,7 +317,7 @@ TEST_CASE("bad input S1: faces without material, and a map that names nothing in
                           "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterials = { leaf = \"grey\", twig = "
                           "\"grey\" }\n[[instance]]\nmesh = \"m\"\n");
   CHECK_SAYS(message, "have no material (found 'bark')");
-  CHECK_SAYS(message, "mesh file has no material or group of that name (found 'twig'); m.obj has: bark, ");
+  CHECK_SAYS(message, "mesh file has no material, group or node of that name (found 'twig'); m.obj has: bark, ");
 }
 
 TEST_CASE("bad input S3: instance of an unknown mesh, singular matrix, not affine") {
