@@ -72,7 +72,9 @@ void PixelTrial::make_look(int directions) {
   const scene::Instrument look = sampled(sample_pattern(instrument_).look);
   const double part = kPartOfLook * pixel_cost_s(sampled(kUsualSamples), kUsualDirections) /
                       (kReplicates * pixel_cost_s(look, directions));
-  const int runs = all <= kLookRuns * kRunPixels
+  // Of other figures than the rms the rarest errors count: as many pixels as a look may have.
+  const bool rms = simulation_.tolerance_of.figure == scene::ErrorFigure::rms;
+  const int runs = all <= kLookRuns * kRunPixels || !rms
                        ? kLookRuns
                        : std::clamp(static_cast<int>(part * all / kRunPixels), kFewestLooks, kLookRuns);
   looked_ = trial_tiles(instrument_, simulation_.seed, runs);
@@ -242,7 +244,10 @@ TrialError PixelTrial::sky_error(int samples, int directions) {
 
 TrialError PixelTrial::own_draw(int samples, int directions) {
   const scene::Instrument drawn = sampled(samples);
-  draw_pixels(static_cast<int>(looked_.size()), static_cast<int>(looked_.size()));
+  if (left_out_ > 0)
+    draw_for_replicates(drawn, directions);
+  else
+    draw_pixels(static_cast<int>(looked_.size()), static_cast<int>(looked_.size()));
   // As many renders as are quick, of the program that the image takes: another number of samples is another program.
   const double all_s = static_cast<double>(pixels_) * pixel_cost_s(drawn, directions);
   const bool rms =

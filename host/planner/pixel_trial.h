@@ -64,8 +64,8 @@ class PixelTrial {
   TrialError sky_error(int samples, int directions);
 
   /// Error of the very draw that the image will have, of samples and sky together: against two means of renders with
-  /// shifts and rays of their own, on all pixels that were looked at. Where a few pixels hold all the error, one draw
-  /// may be twice as far off as the next.
+  /// shifts and rays of their own, on all pixels of an image that is tried whole, else on those that replicates have.
+  /// Where a few pixels hold all the error, one draw may be twice as far off as the next.
   TrialError own_draw(int samples, int directions);
 
   /// Whether any pixel of the look has of the materials that the tolerance is of; else all pixels count.

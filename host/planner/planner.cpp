@@ -164,6 +164,7 @@ class LevelSearch {
     const PixelCost cost = [&](int n, int k) { return cost_s(n, k); };
     for (int round = 0; round < kMostRounds; ++round) {
       Choice choice = choose(hoped, hoped_sky, budget, cost, samples_, directions_);
+      if (out_.measure.figure != scene::ErrorFigure::rms) choice = as_may_be_tried(choice);
       // A level that only might do is worth a try where it saves much.
       const Choice safe = choose(known, sky, budget, cost, samples_, directions_);
       if (safe.within && cost_s(choice.samples, choice.directions) > kWorthATry * cost_s(safe.samples, safe.directions))
@@ -199,6 +200,15 @@ class LevelSearch {
   const ErrorLaw& of_directions() const { return of_directions_; }
 
  private:
+  /// The same, no finer than what is tried: the law of rare errors is not trusted as far as that of the rms.
+  Choice as_may_be_tried(const Choice& choice) const {
+    const auto at_most = [](const std::vector<int>& levels, int level, int most) {
+      return level <= most ? level : std::max(levels.front(), before(levels, most + 1));
+    };
+    return {at_most(samples_, choice.samples, kMostTriedSamples),
+            at_most(directions_, choice.directions, kMostTriedDirections), choice.within};
+  }
+
   void add(ErrorLaw& law, int level, const TrialError& found, const std::string& what) {
     const TrialError error = of_pixels(found, instrument_);
     law.measured(level, error.bands);
@@ -345,7 +355,7 @@ bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& 
   return all_given || std::isinf(as_estimated_s) || as_estimated_s - search.image_s(out.plan_estimate / 2) > takes_s;
 }
 
-/// Refines the choice until the draw that the image will have is inside the tolerance, in all pixels of the look.
+/// Refines the choice until the draw that the image will have is inside the tolerance, in the trial's pixels.
 /// Returns the bound of that draw's error.
 double hold_draw(PixelTrial& trial, LevelSearch& search, const scene::Instrument& instrument,
                  const SamplePattern& pattern, Choice& choice, Decision& out) {
@@ -434,7 +444,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
                 TrialProgress progress) {
   Decision out = as_given(simulation, instrument, plan);
   hold_tolerance(out, simulation, instrument, plan, table, threads);
-  const bool sky = plan.sends_rays();
+  const bool sky = plan.sends_rays(), rms = out.measure.figure == scene::ErrorFigure::rms;
   const bool all_given = out.samples_given && (out.directions_given || !sky);
   if (all_given && !estimate_given) return out;
   if (replicate(out, renderer, simulation, instrument, plan)) return out;
@@ -450,9 +460,8 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   Choice choice = search.settle();
   const SamplePattern& pattern = sample_pattern(instrument);
   double drawn = -1;
-  // The trial's draws do not tell percentiles of errors as edges make them, a point more or less, without a reference.
-  const bool worth_a_reference = trial.whole() || out.measure.figure != scene::ErrorFigure::rms;
-  if (worth_a_reference && !out.samples_given && instrument.box_pixels())
+  // Without a reference draws do not tell percentiles of errors as edges make them, a point more or less.
+  if ((trial.whole() || !rms) && !out.samples_given && instrument.box_pixels())
     drawn = hold_draw(trial, search, instrument, pattern, choice, out);
   take_levels(out, plan, choice, pattern);
   take_errors(out, choice, search.of_samples(), search.of_directions(), sky, pattern);
