@@ -121,7 +121,7 @@ std::array<double, 2> extrapolated(const std::vector<SeenError>& seen, double al
 template <class SeenSquare>
 Tail tail_of(const TrialImage& image, const RunSums& sums, int draws, SeenSquare seen_square) {
   std::vector<SeenError> seen;
-  double all = 0, squares = 0, weights_squared = 0, counted = 0;
+  double all = 0, squares = 0, counted = 0;
   std::size_t p = 0;
   for (std::size_t r = 0; r < image.run_end.size(); ++r)
     for (; p < image.run_end[r]; ++p) {
@@ -131,16 +131,20 @@ Tail tail_of(const TrialImage& image, const RunSums& sums, int draws, SeenSquare
       for (int draw = 0; draw < draws; ++draw) {
         const double square = seen_square(p, draw);
         seen.push_back({std::sqrt(square), weight});
-        all += weight, squares += weight * square, weights_squared += weight * weight;
+        all += weight, squares += weight * square;
       }
     }
   if (!(squares > 0)) return {};
   std::sort(seen.begin(), seen.end(), [](const SeenError& a, const SeenError& b) { return a.size > b.size; });
   const double rms = std::sqrt(squares / all);
   if (image.figure == scene::ErrorFigure::p99) {
-    // What share lies above is known by as many draws as the weights are worth; all of an image that is tried whole.
-    const double deviation = image.whole ? 0 : std::sqrt(kQuantile * (1 - kQuantile) * weights_squared) * draws / all;
-    return {size_at(seen, all, kQuantile) / rms, size_at(seen, all, std::min(1.0, kQuantile + deviation)) / rms};
+    // What share lies above is known by the weights of those that do; of an image that is tried whole it is seen.
+    const double size = size_at(seen, all, kQuantile);
+    double squares_above = 0;
+    for (const SeenError& each : seen)
+      if (each.size >= size) squares_above += each.weight * each.weight;
+    const double deviation = image.whole ? 0 : std::sqrt(draws * squares_above) / all;
+    return {size / rms, size_at(seen, all, std::min(1.0, kQuantile + deviation)) / rms};
   }
   if (image.whole) return {seen[0].size / rms, seen[0].size / rms};
   const double runs = image.drawn_from > 0 ? image.drawn_from : static_cast<double>(image.run_end.size());
