@@ -54,19 +54,22 @@ std::vector<std::vector<double>> lamp_spectra_of(const Plan& plan, std::size_t s
 }
 
 /// Whether a key is of what a front emits less by its angle (RC_CURVE_LEANING): no light is scattered under it.
-bool is_leaning(const scene::CompiledScene& scene, std::uint64_t key) {
-  return rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == scene::curve_roles(scene);
+bool is_leaning(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
+  const auto records = static_cast<rc_id>(plan.matter.further_records);
+  return rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == RC_CURVE_LEANING(records);
 }
 
 /// Product of a key's curves on the plan's grid; 1 without any. By the transmittance of an opaque material, or the
 /// gloss of a dull one, nothing goes.
 std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
   std::vector<double> product(plan.wavelength_um.size(), 1.0);
+  // Not scene::curve_count, which looks through all materials: rows are baked for each of many.
+  const std::uint32_t curves =
+      (RC_CURVE_ROLES + static_cast<rc_id>(plan.matter.further_records)) * scene::material_count(scene);
   for (std::uint32_t c = 0; c < rc_key_count(key); ++c) {
     const std::uint32_t curve = rc_key_curve(key, c);
-    if (curve > scene::curve_count(scene))
-      throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " +
-                                              std::to_string(scene::curve_count(scene)));
+    if (curve > curves)
+      throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " + std::to_string(curves));
     const std::vector<double> values = curve_on(scene, curve, plan.wavelength_um);
     for (std::size_t i = 0; i < product.size(); ++i) product[i] *= values[i];
   }
@@ -79,7 +82,7 @@ std::vector<double> emission_of(const Plan& plan, const scene::CompiledScene& sc
   if (rc_key_count(key) > 1) return std::vector<double>(plan.wavelength_um.size(), 0.0);
   const std::uint32_t own = rc_key_curve(key, 0), materials = scene::material_count(scene);
   const std::uint32_t curve =
-      is_leaning(scene, key) ? scene::reflectance_curve(scene, rc_curve_material(own, materials)) : own;
+      is_leaning(plan, scene, key) ? scene::reflectance_curve(scene, rc_curve_material(own, materials)) : own;
   std::vector<double> out = curve_on(scene, curve, plan.wavelength_um);
   const double black = rc_curve_role(own, materials) == RC_CURVE_REFLECTANCE ? 1 : 0;
   for (double& value : out) value = black - value;
@@ -160,7 +163,7 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
                         : skeleton   ? (row < lines ? plan.bounces.together : lamplight)
                         : curves > 0 ? plan.source_spectrum
                                      : plan.path_spectrum;
-  const bool leaning = curves == 1 && is_leaning(scene, key);
+  const bool leaning = curves == 1 && is_leaning(plan, scene, key);
   const std::vector<double> scattered = skeleton  ? plan.bounces.basis[row % lines]
                                         : leaning ? std::vector<double>(plan.wavelength_um.size(), 0.0)
                                                   : product_of_curves(plan, scene, curves > 0 ? key : 0);

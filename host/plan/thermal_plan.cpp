@@ -175,9 +175,10 @@ double node_coordinate(const std::vector<double>& node_K, double temperature_K) 
 }
 
 void add_leaning_keys(const scene::CompiledScene& scene, std::vector<std::uint32_t>& keys) {
+  const rc_id role = scene::curve_roles(scene);
   for (const auto material : scene::used_materials(scene))
     if (scene.materials[material].front.number != RC_SHAPE_lambert)
-      keys.push_back(rc_curve_id(scene::curve_roles(scene), material, scene::material_count(scene)));
+      keys.push_back(rc_curve_id(role, material, scene::material_count(scene)));
 }
 
 Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes,

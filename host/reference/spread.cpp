@@ -45,7 +45,8 @@ double even_light(const scene::CompiledScene& scene, const plan::Thermal& therma
                   std::size_t record) {
   if (thermal.albedo_at.empty()) return 1;
   const std::size_t surface = scene::surface_of(scene, sample.hit.primitive);
-  const std::uint32_t table = thermal.albedo_at[surface * scene::lobe_records(scene) + record];
+  const std::size_t records = thermal.albedo_at.size() / scene.surfaces.size();
+  const std::uint32_t table = thermal.albedo_at[surface * records + record];
   if (table == 0) return 1;
   constexpr std::size_t size = RC_ALBEDO_ZENITHS * RC_ALBEDO_AZIMUTHS;
   return scene::between_albedos(std::span(thermal.albedo).subspan((table - 1) * size, size), RC_ALBEDO_ZENITHS,
