@@ -48,6 +48,18 @@ double lobe_albedo(const Shape& shape, const RcLocal& direction) {
   return sum / kDraws;
 }
 
+double mean_lobe_albedo(const Shape& shape) {
+  constexpr int kCosines = 24, kAzimuths = 8;
+  const int azimuths = has_grain(shape) ? kAzimuths : 1;
+  double sum = 0;
+  for (int c = 0; c < kCosines; ++c)
+    for (int a = 0; a < azimuths; ++a) {
+      const double cosine = (c + 0.5) / kCosines;
+      sum += 2 * cosine * lobe_albedo(shape, towards(cosine, std::numbers::pi * (a + 0.5) / azimuths));
+    }
+  return sum / (kCosines * azimuths);
+}
+
 LobeAlbedo::LobeAlbedo(const Shape& shape, int zeniths, int azimuths)
     : zeniths_(zeniths), azimuths_(azimuths), value_(static_cast<std::size_t>(zeniths * azimuths)) {
   const int own = has_grain(shape) ? azimuths - 1 : 1;

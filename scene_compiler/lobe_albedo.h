@@ -16,6 +16,9 @@ namespace raycube::scene {
 /// `lobe_albedo`).
 double lobe_albedo(const Shape& shape, const RcLocal& direction);
 
+/// Its mean over the hemisphere of directions, weighed by their cosine: the share of an even light that leaves.
+double mean_lobe_albedo(const Shape& shape);
+
 /// Linear between nodes of the zenith angle, evenly from 0 to pi / 2, and of the azimuth, 0 to pi: what is turned half
 /// round is the same. nodes: [azimuth][zenith].
 double between_albedos(std::span<const float> nodes, int zeniths, int azimuths, const RcLocal& direction);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/shared/product_key.h"
+#include "scene_compiler/lobe_albedo.h"
 #include "scene_compiler/shape_list.h"
 #include "scene_compiler/spectral_shape.h"
 
@@ -85,6 +86,7 @@ double white_sky_albedo(const Shape& shape) {
   if (shape.number == RC_SHAPE_lambert) return 1;
   static thread_local Kept<double> kept;
   if (const double* known = kept.find(shape)) return *known;
+  if (rc_shape_role(shape.number) == RC_ROLE_gloss) return kept.keep(shape, mean_lobe_albedo(shape));
   double sum = 0;
   for (int i = 0; i < kWhole; ++i) {
     const double in = (i + 0.5) / kWhole;

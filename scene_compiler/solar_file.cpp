@@ -34,8 +34,12 @@ std::optional<FoundColumn> unit_column(const CsvFile& csv, const std::string& na
   const auto bare = csv.column(name);
   if (!bare) return std::nullopt;
   for (const Unit& unit : units)
-    for (const auto& [key, text] : csv.comments)
-      if ((key + ": " + text).find(unit.words) != std::string::npos) return FoundColumn{*bare, unit.factor};
+    for (const auto& [key, text] : csv.comments) {
+      const std::string whole = key + ": " + text;
+      const std::size_t at = whole.find(unit.words);  // kW holds W
+      if (at != std::string::npos && (at == 0 || std::isalpha(static_cast<unsigned char>(whole[at - 1])) == 0))
+        return FoundColumn{*bare, unit.factor};
+    }
   return std::nullopt;
 }
 
@@ -79,6 +83,10 @@ std::optional<SolarSpectrumSpec> read_solar_spectrum(const std::string& file, co
     problems.add({csv->file, 0, 0, ""}, "a solar spectrum needs two rows", std::to_string(out.wavelength_um.size()),
                  "give a range of wavelengths");
   if (problems.lines().size() > before) return std::nullopt;
+  if (std::all_of(out.irradiance.begin(), out.irradiance.end(), [](double value) { return value == 0; })) {
+    problems.add({csv->file, 0, 0, ""}, "a solar spectrum needs light", "0 in every row", "check the column");
+    return std::nullopt;
+  }
   return out;
 }
 

@@ -145,6 +145,11 @@ void AerosolColumn::add_own(const AerosolSpec& spec, const AirProfile& profile) 
             base::Fault::input,
             "aerosol '" + component.name + "': another component of the air has that name; choose one of its own");
     const double depth_550 = aerosol.optical_depth / component.own->at(aerosol.at_um).extinction;
+    if (!(depth_550 <= kMaxCloudDepth))
+      throw base::Error(base::Fault::input, "aerosol '" + component.name + "': optical depth " + text(depth_550) +
+                                                " at 0.55 um, to which depths are referred, is more than " +
+                                                text(kMaxCloudDepth) +
+                                                "; check optical_depth, wavelength_nm and the Angstrom exponent");
     component.heights.scale(depth_550 / component.heights.depth(profile.ground_km(), profile.top_km()));
     aod_550_ += depth_550;
     components_.push_back(std::move(component));

@@ -10,6 +10,13 @@
 
 namespace raycube::atmos::imported {
 
+namespace {
+
+constexpr double kSameAngle_deg = 0.05;  ///< digits of the codes
+constexpr double kPathEnds_deg = 1.0;    ///< suns at the ends of a scan's paths
+
+}  // namespace
+
 Spectrum SampleBook::sorted(const Run& run, const Spectrum& values) {
   std::vector<std::size_t> order(run.wavelength_um.size());
   std::iota(order.begin(), order.end(), 0);
@@ -52,10 +59,22 @@ void SampleBook::agree(std::optional<double>& standing, std::optional<double> fo
 void SampleBook::sun_and_sensor(const Source& source) {
   const Geometry& g = source.run->geometry;
   if (g.sensor_height_m) agree(out.sensor_height_m, *g.sensor_height_m - ground_m, 0.5, "the sensor's height", source);
-  agree(out.sun_zenith_deg, g.sun_zenith_deg, 0.05, "the sun's zenith", source);
-  agree(out.sun_azimuth_deg, g.sun_azimuth_deg, 0.05, "the sun's azimuth", source);
+  // Of runs by place and time it is the sun at each path's end, which lies elsewhere for each line of sight.
+  if (out.sun_zenith_deg && g.sun_zenith_deg && std::abs(*out.sun_zenith_deg - *g.sun_zenith_deg) > kSameAngle_deg)
+    out.notices.push_back(source.file->file + ": the sun's zenith is " + shown(*g.sun_zenith_deg) +
+                          " deg where the path ends; that of the first run, " + shown(*out.sun_zenith_deg) +
+                          " deg, is taken");
+  agree(out.sun_zenith_deg, g.sun_zenith_deg, kPathEnds_deg, "the sun's zenith", source);
+  std::optional<double> azimuth = g.sun_azimuth_deg;
+  if (azimuth && out.sun_azimuth_deg)
+    azimuth = *out.sun_azimuth_deg + std::remainder(*azimuth - *out.sun_azimuth_deg, 360.0);
+  agree(out.sun_azimuth_deg, azimuth, kPathEnds_deg, "the sun's azimuth", source);
   agree(out.earth_sun_factor, g.earth_sun_factor, 1e-3, "the earth-sun factor", source);
-  if (g.day_of_year) out.day_of_year = g.day_of_year;
+  if (g.day_of_year && out.day_of_year && *g.day_of_year != *out.day_of_year)
+    problems.add({source.file->file, 0, 0, source.run->mode}, "the day of the year is not that of the runs before",
+                 std::to_string(*g.day_of_year) + " after " + std::to_string(*out.day_of_year),
+                 "make one table per day");
+  if (!out.day_of_year) out.day_of_year = g.day_of_year;
   for (const std::string& note : source.run->notes)
     if (note.rfind(kToldBy, 0) == 0) out.notices.push_back(source.file->file + ": " + note);
 }

@@ -41,6 +41,14 @@ Run joined(std::vector<const Run*> runs, const std::string& file, base::Problems
       problems.add({file, 0, 0, run->mode}, "two runs are of one wavelength and one view", shown(um) + " um",
                    "give one run per wavelength and view");
     out.wavelength_um.push_back(um);
+    const auto apart = [&](const char* what, const std::optional<double>& here, const std::optional<double>& before) {
+      if (here != before)
+        problems.add({file, 0, 0, run->mode}, std::string(what) + " is not that of the runs before",
+                     shown(here.value_or(-1)) + " after " + shown(before.value_or(-1)),
+                     "make one table per ground, sun and sensor");
+    };
+    apart("the ground's height", run->geometry.ground_height_m, out.geometry.ground_height_m);
+    apart("the sun's azimuth", run->geometry.sun_azimuth_deg, out.geometry.sun_azimuth_deg);
     if (run->geometry.sun_zenith_deg != out.geometry.sun_zenith_deg)
       problems.add({file, 0, 0, run->mode}, "the sun's zenith is not that of the runs before",
                    shown(run->geometry.sun_zenith_deg.value_or(-1)) + " after " +

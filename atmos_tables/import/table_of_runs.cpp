@@ -101,8 +101,10 @@ class Maker {
       missing_.emplace_back("the sun's zenith: these files do not name it",
                             "give --sun-zenith, or the run's listing (.tp6) or input JSON");
     table_.sun_zenith_deg = zenith.value_or(0);
-    table_.sun_azimuth_deg =
-        asked_or_said(request_.sun_azimuth_deg, s_.sun_azimuth_deg, 0.05, "sun azimuth", "deg").value_or(0);
+    std::optional<double> azimuth = s_.sun_azimuth_deg;  // -90 and 270 are one
+    if (azimuth && request_.sun_azimuth_deg)
+      azimuth = *request_.sun_azimuth_deg + std::remainder(*azimuth - *request_.sun_azimuth_deg, 360.0);
+    table_.sun_azimuth_deg = asked_or_said(request_.sun_azimuth_deg, azimuth, 0.05, "sun azimuth", "deg").value_or(0);
     const auto sensor = asked_or_said(request_.sensor_height_m, s_.sensor_height_m, 0.5, "sensor height", "m");
     if (!sensor)
       missing_.emplace_back("the sensor's height: these files do not name it",

@@ -33,7 +33,8 @@ std::string read_bytes(const std::string& path) {
 std::vector<std::string> read_lines(const std::string& path) {
   const std::string bytes = read_bytes(path);
   std::vector<std::string> lines;
-  for (std::size_t from = 0; from < bytes.size();) {
+  const std::size_t mark = bytes.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0;  // of UTF-8, as editors put it
+  for (std::size_t from = mark; from < bytes.size();) {
     const std::size_t end = std::min(bytes.find('\n', from), bytes.size());
     lines.emplace_back(bytes, from, end - from);
     if (!lines.back().empty() && lines.back().back() == '\r') lines.back().pop_back();

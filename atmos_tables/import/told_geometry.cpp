@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 
 #include "atmos_tables/import/import_file.h"
@@ -41,9 +42,15 @@ class Filler {
     take(g.path_length_m, told.path_length_m, HUGE_VAL, "the path's length", "m");
     take(g.sight_zenith_deg, told.sight_zenith_deg, kSameAngle_deg, "the zenith of the line of sight", "deg");
     take(g.view_zenith_deg, told.view_zenith_deg, HUGE_VAL, "the view zenith", "deg");
-    take(g.sun_zenith_deg, told.sun_zenith_deg, kSameAngle_deg, "the sun's zenith", "deg");
+    // Listings print it with refraction, which grows as the tangent: 0.015 deg at 45.
+    const double low = std::min(told.sun_zenith_deg.value_or(0), 85.0) * std::numbers::pi / 180;
+    take(g.sun_zenith_deg, told.sun_zenith_deg, std::max(kSameAngle_deg, 0.02 + 0.02 * std::tan(low)),
+         "the sun's zenith", "deg");
     take(g.relative_azimuth_deg, told.relative_azimuth_deg, HUGE_VAL, "the relative azimuth", "deg");
-    take(g.sun_azimuth_deg, told.sun_azimuth_deg, kSameAngle_deg, "the sun's azimuth", "deg");
+    std::optional<double> azimuth = told.sun_azimuth_deg;  // 359.99 and 0.01 are one
+    if (azimuth && g.sun_azimuth_deg)
+      azimuth = *g.sun_azimuth_deg + std::remainder(*azimuth - *g.sun_azimuth_deg, 360.0);
+    take(g.sun_azimuth_deg, azimuth, kSameAngle_deg, "the sun's azimuth", "deg");
     take(g.ground_height_m, told.ground_height_m, kSameHeight_m, "the ground's height", "m");
     take(g.earth_sun_factor, told.earth_sun_factor, 1e-4, "the earth-sun factor", "");
     if (g.day_of_year && told.day_of_year && *g.day_of_year != *told.day_of_year)

@@ -168,13 +168,14 @@ class InputReader {
       by_place_and_time_ = true;
     } else if (key == "day_of_year") {
       in_.day_of_year = whole_number(number(words, false), 1, 366);
+      if (!in_.day_of_year) problems_.add(here_, "a day of the year is 1 to 366", std::string(words[1]), "");
     } else if (key == "albedo") {
       in_.albedo = number(words, false);
     } else if (key == "altitude") {
       ground_height_m_ =
           m_from_km(number({words.begin(), words.begin() + std::min<std::ptrdiff_t>(2, std::ssize(words))}, true));
     } else if (key == "zout" || key == "zout_sea") {
-      in_.levels.clear(), above_sea_ = key == "zout_sea";
+      in_.levels.clear(), at_surface_.clear(), above_sea_ = key == "zout_sea";
       for (std::size_t i = 1; i < words.size(); ++i) level(words[i]);
       if (words.size() < 2) problems_.add(here_, std::string(key) + " has no value", "", "");
     } else {
@@ -189,7 +190,7 @@ class InputReader {
     if (name == "toa")
       place.top_of_air = true;
     else if (one_of(name, {"boa", "sur", "surface"}))
-      place.height_m = 0;
+      place.height_m = 0, at_surface_.push_back(in_.levels.size());
     else if (name == "cpt")
       problems_.add(here_, "the height of the cold point is not said", "cpt", "give zout in km");
     else
@@ -287,6 +288,8 @@ class InputReader {
   void settle() {
     if (in_.levels.empty()) in_.levels.push_back({0.0, false, {}, {}, {}});
     if (above_sea_) in_.ground_height_m = ground_height_m_;
+    if (above_sea_)
+      for (const std::size_t level : at_surface_) in_.levels[level].height_m = ground_height_m_.value_or(0);
     in_.thermal = asked_.thermal;
     if (!in_.thermal && (sza_ || !by_place_and_time_)) in_.sun_zenith_deg = sza_.value_or(0);
     if (in_.thermal) in_.day_of_year.reset();
@@ -311,6 +314,7 @@ class InputReader {
   base::Where here_;
   UvspecAsked asked_;
   std::optional<double> sza_, ground_height_m_;
+  std::vector<std::size_t> at_surface_;  ///< levels that a word names
   bool by_place_and_time_ = false, above_sea_ = false, heating_ = false;
   std::string solver_, slit_;
 };

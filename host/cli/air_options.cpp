@@ -47,9 +47,10 @@ void apply_aerosol(const AirOptions& o, scene::AirSpec& air) {
                                   o.visibility_km, o.aod_550));
   const bool none = (o.aerosol.empty() ? air.aerosol : o.aerosol) == "none";
   const std::string amount = typed_amount(o);
-  if (none && !amount.empty() && o.aerosol.empty() && !air.own_aerosols.empty())
+  const bool zero = o.aod_550 == 0;  // which would leave the file's own as they are
+  if ((zero || (none && !amount.empty())) && o.aerosol.empty() && !air.own_aerosols.empty())
     throw base::Error(base::Fault::input,
-                      amount +
+                      (zero ? "--aod 0" : amount) +
                           ": the file has aerosols of its own alone, each with its optical_depth; change that, or "
                           "name an aerosol with --aerosol in their place");
   if (none && !amount.empty())

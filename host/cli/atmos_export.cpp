@@ -84,6 +84,10 @@ int export_table(const ExportRequest& o, Invocation& invocation) {
   const std::string output = invocation.common.output.empty()
                                  ? std::filesystem::path(o.file).replace_extension(".csv").string()
                                  : invocation.common.output;
+  std::error_code unknown;
+  if (std::filesystem::equivalent(output, o.file, unknown))
+    throw base::Error(base::Fault::input,
+                      output + ": the table itself would be replaced by its values; give another file with -o");
   std::vector<std::string> columns = {"row", "unit"};
   for (const atmos::Axis* axis : axes) columns.push_back(axis->name + (axis->unit.empty() ? "" : "_" + axis->unit));
   columns.push_back("value");

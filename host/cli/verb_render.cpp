@@ -224,7 +224,11 @@ int render_files(const RenderRequest& options, Invocation& invocation) {
     try {
       render_and_keep(what, options, invocation, done);
     } catch (const base::Error& error) {
-      if (files.size() == 1 || error.fault() == base::Fault::interrupted || base::interrupted_by_now()) throw;
+      if (files.size() == 1) throw;
+      if (error.fault() == base::Fault::interrupted || base::interrupted_by_now()) {
+        if (invocation.common.json) invocation.out << nlohmann::json{{"simulations", all}}.dump(2) << "\n";
+        throw;
+      }
       invocation.log.error(error.what());
       said["error"] = error.what();
       if (status == 0) status = error.exit_status();

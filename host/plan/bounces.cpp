@@ -317,7 +317,8 @@ Plan without_paths(const Plan& plan) {
   return out;
 }
 
-void tell_of_plates(Plan& plan, const scene::Instrument& instrument) {
+void tell_of_matter(Plan& plan, const scene::Instrument& instrument) {
+  plan.notices.insert(plan.notices.end(), plan.thermal.notices.begin(), plan.thermal.notices.end());
   const auto tell = [&](const char* why) {
     plan.notices.push_back(std::string("plates (transmission = \"plate\") ") + why);
   };

@@ -34,7 +34,7 @@ inline constexpr double kMostAmplified = 4;  ///< that the skeleton may make of 
 void plan_bounces(Plan& plan, const scene::CompiledScene& scene, int levels, int paths, double share);
 /// The same plan without light between surfaces. It bakes its own rows: a plate's are others with paths.
 Plan without_paths(const Plan& plan);
-/// After it: notices of what cameras do not see through plates.
-void tell_of_plates(Plan& plan, const scene::Instrument& instrument);
+/// After it: notices of what cameras do not see through plates, and of what thermal light says of matter.
+void tell_of_matter(Plan& plan, const scene::Instrument& instrument);
 
 }  // namespace raycube::plan

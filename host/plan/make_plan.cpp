@@ -251,8 +251,9 @@ void weigh_thermal(Plan& plan, const Setting& at, const Light& light, Levels& ou
       at.air, at.domain,
       BandSpace(at.covered_um, at.spectral.wavelength_um, at.spectral.bands, at.spectral.largest_reflectance),
       light.sky.irradiance(), light.typical);
-  if (out.solar.sun <= at.share) errors.sun_sources = 0, errors.left_out += out.solar.sun;
-  if (out.solar.sky <= at.share) out.skylight = false, errors.left_out += out.solar.sky;
+  const double share = plan.matter.glossy && plan.sun_up ? -1 : at.share;  // a gloss mirrors more
+  if (out.solar.sun <= share) errors.sun_sources = 0, errors.left_out += out.solar.sun;
+  if (out.solar.sky <= share) out.skylight = false, errors.left_out += out.solar.sky;
   if (!plan.environment.empty() && out.solar.environment <= at.share)
     plan.environment = {}, errors.left_out += out.solar.environment;
   errors.surroundings = 1;
@@ -490,10 +491,9 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   plan.bands = std::move(spectral.bands);
   plan.report.bounces.open = !simulation.bounces_given && instrument.auto_bounces;
   const bool follows = simulation.bounces_given || instrument.auto_bounces || plan.matter.plates;
-  const int bounces = follows ? simulation.bounces : 0;
-  plan_bounces(plan, simulation.scene, bounces, simulation.sky_directions, setting.share);
+  plan_bounces(plan, simulation.scene, follows ? simulation.bounces : 0, simulation.sky_directions, setting.share);
   if (!plan.bounces.any() && !without_paths.empty()) plan.notices.push_back(without_paths);
-  tell_of_plates(plan, instrument);
+  tell_of_matter(plan, instrument);
   return plan;
 }
 

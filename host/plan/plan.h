@@ -129,6 +129,7 @@ struct Thermal {
   /// the scene's lobes the number of its table, from 1 (0: Lambert's), and the tables. Empty where all are.
   std::vector<std::uint32_t> albedo_at;
   std::vector<float> albedo;
+  std::vector<std::string> notices;  ///< of matter that sends back more than comes
   int components() const { return on ? sky_components + 1 : 0; }
   int nodes() const { return on ? static_cast<int>(temperature_K.size()) : 0; }
 };

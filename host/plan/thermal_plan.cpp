@@ -5,8 +5,10 @@
 #include <span>
 
 #include <Eigen/Dense>
+#include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 #include "host/base/planck.h"
 #include "host/base/units.h"
 #include "host/plan/irradiance_map.h"
@@ -16,6 +18,7 @@
 #include "scene_compiler/lobe_albedo.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/owner.h"
+#include "scene_compiler/spectral_shape.h"
 
 namespace raycube::plan {
 
@@ -71,6 +74,7 @@ void add_lobe_albedos(const scene::CompiledScene& scene, Thermal& thermal) {
       const scene::Shape shape = scene::as_cameras_see(given);
       auto found = std::find(known.begin(), known.end(), shape);
       if (found == known.end()) {
+        base::throw_if_interrupted();
         const scene::LobeAlbedo table(shape, RC_ALBEDO_ZENITHS, RC_ALBEDO_AZIMUTHS);
         thermal.albedo.insert(thermal.albedo.end(), table.nodes().begin(), table.nodes().end());
         found = known.insert(known.end(), shape);
@@ -78,6 +82,42 @@ void add_lobe_albedos(const scene::CompiledScene& scene, Thermal& thermal) {
       at[s * records + record] = static_cast<std::uint32_t>(found - known.begin() + 1);
     });
   if (!known.empty()) thermal.albedo_at = std::move(at);
+}
+
+/// The largest value of a curve in thermal light.
+double most_beyond(const scene::Curve& curve, double from_um) {
+  double most = curve.value.empty() ? 0 : curve.value.back();
+  for (std::size_t i = 0; i < curve.value.size(); ++i)
+    if (curve.wavelength_um[i] >= from_um) most = std::max(most, curve.value[i]);
+  return most;
+}
+
+/// Matter whose front, transmittance and gloss together send back more of an even light than comes, at slant angles,
+/// where a gloss mirrors more: its emission is negative there.
+void tell_of_bright_lobes(const scene::CompiledScene& scene, Thermal& thermal) {
+  constexpr double kThermalFrom_um = 3;
+  for (const auto index : scene::used_families(scene)) {
+    const scene::Material& material = scene.materials[index];
+    if (material.gloss.number == RC_SHAPE_none) continue;
+    const double through = most_beyond(material.transmittance, kThermalFrom_um);
+    for (int zenith_deg = 0; zenith_deg <= 80; zenith_deg += 5) {
+      const double zenith = zenith_deg * base::kPi / 180;
+      const auto add = [&](const std::vector<scene::ShapeAndCurve>& parts) {
+        double sum = 0;
+        for (const auto& part : parts)
+          sum += most_beyond(part.curve, kThermalFrom_um) *
+                 scene::lobe_albedo(scene::as_cameras_see(part.shape), {std::sin(zenith), 0, std::cos(zenith)});
+        return sum;
+      };
+      const double back = through + add(scene::front_parts(material)) + add(scene::gloss_parts(material));
+      if (back <= 1) continue;
+      thermal.notices.push_back(fmt::format(
+          "material '{}' sends back {:.3g} times what comes, seen {} deg from its normal, more beyond: there "
+          "its emission is negative; lower its reflectance or its gloss",
+          material.name, back, zenith_deg));
+      break;
+    }
+  }
 }
 
 }  // namespace
@@ -203,6 +243,7 @@ Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters
     out.basis.value.assign(4, {1 / base::kPi, 0, 0, 0});
   }
   add_lobe_albedos(scene, out);
+  if (!out.albedo_at.empty()) tell_of_bright_lobes(scene, out);
   const SkyIrradiance open(out.basis);
   for (int i = 0; i < RC_TILT_NODES; ++i) {
     const double nz = -1 + 2.0 * i / (RC_TILT_NODES - 1);

@@ -99,8 +99,10 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
   half.bounces.levels = 0;
   // By lobes that reach far above and below Lambert's a ray's sign would not tell its fate.
-  if (!plan.matter.glossy && reaches_far(scene))
+  if (!plan.matter.glossy && reaches_far(scene)) {
     half.matter.shaped = half.matter.plates = false, half.matter.further = 0;
+    half.thermal.albedo_at.clear(), half.thermal.albedo.clear();
+  }
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());
   std::vector<PixelSeen> pixels;

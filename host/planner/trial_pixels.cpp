@@ -172,9 +172,7 @@ TrialError errors_of(const TrialImage& image, const std::vector<double>& mean, S
     if (image.figure != scene::ErrorFigure::rms)
       tail = tail_of(image, sums, draws, [&](std::size_t p, int draw) { return seen_square(value(p), draw); });
     out.bands.estimate.push_back(tail.ratio * std::sqrt(std::max(0.0, here)));
-    // What a draw of pixels leaves open of a figure its own bound has; random points are known by the mean square.
-    const bool of_draw = image.figure != scene::ErrorFigure::rms && !image.whole;
-    out.bands.bound.push_back(tail.bound * std::sqrt(std::max(0.0, of_draw ? here : bound)));
+    out.bands.bound.push_back(tail.bound * std::sqrt(std::max(0.0, bound)));
   }
   out.estimate = out.bands.worst_estimate(), out.bound = out.bands.worst_bound();
   return out;

@@ -1,5 +1,6 @@
 // Radiance at the sensor as the textbook writes it: per sample, per wavelength, in double (S15):
-// L(l) = rho(l) [ direct sun + sky seen + what hides the sky ] + (1 - rho(l)) B(l, T) T_view + path.
+// L(l) = rho(l) [ direct sun + sky seen + what hides the sky ] + (1 - rho(l)) B(l, T) T_view + path, rho of a lobe in
+// emission times its albedo towards the viewer.
 #pragma once
 
 #include <array>

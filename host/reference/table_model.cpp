@@ -112,7 +112,7 @@ void TableModel::add_albedos() {
   };
   for (const auto number : scene::used_materials(scene_.compiled)) {
     const scene::Material& material = scene_.compiled.materials[number];
-    if (!(material.temperature_K > 0)) continue;
+    if (!plan_.thermal.on && !(material.temperature_K > 0)) continue;
     add(material.front), add(material.gloss);
     for (const auto& lobe : material.further) add(lobe.shape);
   }

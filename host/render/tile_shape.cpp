@@ -49,7 +49,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.matter = plan.matter;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
-  shape.lobe_albedo = !plan.thermal.albedo_at.empty();
+  shape.lobe_albedo = plan.matter.shaped && !plan.thermal.albedo_at.empty();
   shape.heights = plan.height.count;
   shape.views = plan.view.count;
   shape.path_x = plan.path_x.count;

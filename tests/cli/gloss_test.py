@@ -96,6 +96,17 @@ def main():
         for name, gloss in (("dull", ""), ("glossy", GLOSS)):
             run("render", write(folder, f"warm_{name}.toml", gloss, thermal), "-o", folder / f"warm_{name}")
             warm[name] = envi(folder / f"warm_{name}" / "camera", "radiance")[1]
+        # A shape alone, which reaches far from Lambert's: the planner's look at the open sky takes it for that.
+        rpv = "rpv = { k = 0.7, theta = -0.2, rho_c = 0.4 }"
+        rough = write(folder, "warm_rpv.toml", rpv, thermal.replace("sky_directions = 64\n", ""))
+        run("render", rough, "-o", folder / "warm_rpv")
+        done = run("check", rough, "--rays", 2000, "--pixels", 64, "--json", "-o", folder / "rpv_check")
+        told = json.loads(done.stdout)
+        check(told["camera"]["passed"] is True, told)
+        bright = write(folder, "bright.toml", "gloss = { roughness = 0.15, f0 = 0.1 }",
+                       thermal.replace("reflectance = 0.08", "reflectance = 0.89"))
+        said = run("render", bright, "-o", folder / "bright").stderr
+        check("sends back" in said and "its emission is negative" in said, said)
         share = warm["glossy"][court == 1] / warm["dull"][court == 1]
         check(numpy.all(share.mean(0) < 0.99) and numpy.all(share.mean(0) > 0.5), share.mean(0))
     print(f"gloss: {program.checks} checks")
