@@ -15,6 +15,7 @@
 #include <gdal_priv.h>
 
 #include "host/base/error.h"
+#include "host/base/text.h"
 
 namespace raycube::products {
 namespace {
@@ -203,8 +204,9 @@ Picture read_raster_picture(const std::string& path, bool header_only,
 
 bool is_picture(const std::string& path) {
   const std::string bytes = first_bytes(path);
-  return bytes == kExrMagic || std::any_of(raster_magics().begin(), raster_magics().end(),
-                                           [&](const std::string& magic) { return bytes.starts_with(magic); });
+  return base::lower_case(path).ends_with(".exr") || bytes == kExrMagic ||
+         std::any_of(raster_magics().begin(), raster_magics().end(),
+                     [&](const std::string& magic) { return bytes.starts_with(magic); });
 }
 
 Picture read_picture(const std::string& path, bool header_only, const std::function<void(std::int64_t)>& after_lines) {

@@ -35,7 +35,7 @@ struct Picture {
   std::optional<std::array<double, 6>> transform;
 };
 
-/// Whether the file's first bytes are those of such a picture.
+/// Whether the file's first bytes are those of such a picture, or its name an OpenEXR's.
 bool is_picture(const std::string& path);
 
 /// Everything of it; of a header alone no statistics, and none of parts that are deep, or of channels with fewer

@@ -67,6 +67,8 @@ def exr(folder):
     check("each pixel as 21 x 21" in part["texts"]["Description"], part)
     check(part["channels"][0]["statistics"]["count"] == 504 * 252, part)
 
+    (folder / "text.exr").write_text("no picture\n")
+    refused("info", folder / "text.exr", status=2, says=["text.exr", "cannot read it"])
     # Cut short: one error, and no statistics of what is not there.
     for name in ("preview.exr", "quicklook.png"):
         whole = (out / name).read_bytes()

@@ -41,13 +41,7 @@ std::vector<scene::Shape> reflecting_shapes() {
   for (const auto& entry : scene::shape_entries()) {
     if (entry.role == scene::ShapeRole::behind) continue;
     for (const double part : {0.1, 0.4, 1.0}) {
-      scene::Shape shape{entry.number};
-      for (std::size_t i = 0; i < entry.parameters.size(); ++i) {
-        const double low = test::parameter_end(entry.parameters[i].low);
-        const double high = test::parameter_end(entry.parameters[i].high);
-        shape.parameter[i] = low + part * (high - low);
-      }
-      if (entry.number == RC_SHAPE_measured) shape.table = test::measured_table();
+      scene::Shape shape = test::shape_at(entry, part);
       if (entry.number == RC_SHAPE_ward) shape.parameter[2] = std::min(1.0, 2 * shape.parameter[0]);
       out.push_back(shape);
     }

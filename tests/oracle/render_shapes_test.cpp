@@ -23,16 +23,7 @@ std::vector<scene::Shape> front_shapes() {
   std::vector<scene::Shape> out;
   for (const auto& entry : scene::shape_entries()) {
     if (entry.role != scene::ShapeRole::front) continue;
-    for (const double part : {0.4, 1.0}) {
-      scene::Shape shape{entry.number};
-      for (std::size_t i = 0; i < entry.parameters.size(); ++i) {
-        const double low = test::parameter_end(entry.parameters[i].low);
-        const double high = test::parameter_end(entry.parameters[i].high);
-        shape.parameter[i] = low + part * (high - low);
-      }
-      if (entry.number == RC_SHAPE_measured) shape.table = test::measured_table();
-      out.push_back(shape);
-    }
+    for (const double part : {0.4, 1.0}) out.push_back(test::shape_at(entry, part));
   }
   return out;
 }
