@@ -3,7 +3,6 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,6 +11,8 @@
 #endif
 
 #include "bench/pieces.h"
+#include "host/base/error.h"
+#include "host/lidar/pulse_moments.h"
 #include "kernels/shared/tile_layout.h"
 
 namespace raycube::bench {
@@ -55,34 +56,110 @@ void write_row(const float* row, std::size_t count, float* to) {
 #endif
 }
 
-/// Returns of a packet as numbers of lanes that send something.
-struct Returns {
-  alignas(64) float low[16], high[16];   ///< energy for the phases below and above
-  alignas(64) int start[16], share[16];  ///< first bin; where the lower phase's shares begin
-  int count = 0;
-};
+using Int16 = std::int32_t __attribute__((vector_size(64)));
 
-/// The same additions as the device's: neighbours that start in one bin add up in registers. Vectors: of 16 taps.
-template <int Vectors>
-void deposit(const Returns& r, const float* shares, float* row) {
-  for (int i = 0; i < r.count;) {
-    const int start = r.start[i];
-    float* to = row + start;
-    Vec16 low[Vectors], high[Vectors];
-    for (int v = 0; v < Vectors; ++v) low[v] = loose(to + 16 * v), high[v] = all(0);
-    for (; i < r.count && r.start[i] == start; ++i) {
-      const float* at = shares + r.share[i];
-      for (int v = 0; v < Vectors; ++v) {
-        low[v] += r.low[i] * lanes(at + 16 * v);
-        high[v] += r.high[i] * lanes(at + 16 * (Vectors + v));
-      }
-    }
-    for (int v = 0; v < Vectors; ++v) loose(to + 16 * v) = low[v] + high[v];
-  }
+Int16 whole_below(Vec16 v) {
+  const Int16 cut = __builtin_convertvector(v, Int16);
+  return cut + (__builtin_convertvector(cut, Vec16) > v);  // true is -1
 }
 
-using Deposit = void (*)(const Returns&, const float*, float*);
-constexpr std::array<Deposit, 4> kDeposits{deposit<1>, deposit<2>, deposit<3>, deposit<4>};
+/// Bit k: lane k of a comparison.
+std::uint32_t mask(Int16 v) {
+#ifdef __AVX512F__
+  return _mm512_cmplt_epi32_mask(reinterpret_cast<__m512i>(v), _mm512_setzero_si512());
+#else
+  std::uint32_t bits = 0;
+  for (int k = 0; k < 16; ++k) bits |= v[k] ? 1u << k : 0u;
+  return bits;
+#endif
+}
+
+/// Moments of what falls into each cell of a bin (host/lidar/pulse_moments.h), the same as the device's: lanes side by
+/// side until another cell takes the slot or the pulse ends. Vectors: of 16 taps.
+template <int Vectors>
+class Moments {
+ public:
+  Moments(const float* shares, int cells, float* row) : shares_(shares), cells_(cells), row_(row) {
+    std::fill(std::begin(cell_), std::end(cell_), kFree);
+  }
+  /// cell: start from the row's first float on, times cells, and the cell; below 0: none. y: place in it. Words wait, as
+  /// on the device, until what the branches hang on is long known.
+  void add(Int16 cell, Vec16 y, Vec16 energy) {
+    waiting_[words_++] = {cell, y, energy};
+    if (words_ == kWords) sort_words();
+  }
+  void fold_all() {
+    sort_words();
+    for (std::size_t slot = 0; slot < kSlots; ++slot)
+      if (cell_[slot] != kFree) fold(slot), cell_[slot] = kFree;
+  }
+
+ private:
+  static constexpr std::int32_t kFree = -1, kSlots = 16, kWords = 16;
+  struct Word {
+    Int16 cell;
+    Vec16 y, energy;
+  };
+  void sort_words() {
+    for (int w = 0; w < words_; ++w) sort(waiting_[w]);
+    words_ = 0;
+  }
+  void sort(const Word& word) {
+    for (std::uint32_t left = mask(word.cell >= 0); left;) {
+      const std::int32_t here = word.cell[__builtin_ctz(left)];
+      const Int16 same = word.cell == here;
+      left &= ~mask(same);
+      const auto slot = static_cast<std::size_t>(here % kSlots);
+      if (cell_[slot] != here) {
+        if (cell_[slot] != kFree) fold(slot);
+        cell_[slot] = here;
+        std::fill(std::begin(sum_[slot]), std::end(sum_[slot]), all(0));
+      }
+      Vec16 moment = same ? word.energy : all(0);
+      for (int m = 0; m < RC_MOMENTS; ++m, moment *= word.y) sum_[slot][m] += moment;
+    }
+  }
+  void fold(std::size_t slot) {
+    const std::int32_t start = cell_[slot] / cells_;
+    const float* at = shares_ + static_cast<std::size_t>(cell_[slot] - start * cells_) * RC_MOMENTS * Vectors * 16;
+    float moment[RC_MOMENTS];
+    for (int m = 0; m < RC_MOMENTS; ++m) {
+      moment[m] = 0;
+      for (int k = 0; k < 16; ++k) moment[m] += sum_[slot][m][k];
+    }
+    for (int v = 0; v < Vectors; ++v) {
+      Vec16 sum = loose(row_ + start + 16 * v);
+      for (int m = 0; m < RC_MOMENTS; ++m) sum += moment[m] * lanes(at + 16 * (m * Vectors + v));
+      loose(row_ + start + 16 * v) = sum;
+    }
+  }
+  Vec16 sum_[kSlots][RC_MOMENTS];
+  std::int32_t cell_[kSlots];
+  Word waiting_[kWords];
+  int words_ = 0;
+  const float* shares_;
+  int cells_;
+  float* row_;
+};
+
+/// Of a packet's lanes. instances: null where there is one tree. surface: [tree][Embree's primitive].
+Vec16 reflectances(const LidarWork& work, const RTCRayHit16& packet, int live, const shared::Instance* instances,
+                   const std::vector<std::vector<std::uint32_t>>& surface) {
+  alignas(64) float of[16] = {};
+  std::uint32_t last_tree = 0, last_primitive = RTC_INVALID_GEOMETRY_ID;
+  float reflectance = 0;
+  for (int k = 0; k < live; ++k) {
+    const std::uint32_t primitive = packet.hit.primID[k];
+    if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    const std::uint32_t tree = instances ? instances[packet.hit.instID[0][k]].tree : 0u;
+    if (primitive != last_primitive || tree != last_tree) {
+      reflectance = (*work.reflectance)[surface[tree][primitive]];
+      last_primitive = primitive, last_tree = tree;
+    }
+    of[k] = reflectance;
+  }
+  return lanes(of);
+}
 
 }  // namespace
 
@@ -96,7 +173,8 @@ std::size_t LidarBaseline::row_floats(const LidarWork& work) {
   return 2 * row_pad(work) + RC_PADDED(static_cast<std::size_t>(work.bins));
 }
 
-void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
+template <int Vectors>
+void LidarBaseline::run_of(const LidarWork& work, int threads, float* rows) const {
   const RTCScene scene = embree_.handle();
   const bool flat = embree_.flat();
   const std::size_t samples = work.a.size(), packets = (samples + 15) / 16, pad = row_pad(work),
@@ -104,22 +182,22 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
   std::vector<float> as(packets * 16 + 16, 0.0f), bs(packets * 16 + 16, 0.0f);
   std::copy(work.a.begin(), work.a.end(), as.begin());
   std::copy(work.b.begin(), work.b.end(), bs.begin());
-  const int taps = work.taps->taps, phases = work.taps->phases, first_tap = work.taps->first;
-  std::vector<float> unaligned((static_cast<std::size_t>(phases) + 1) * pad + 16, 0.0f);
+  const int taps = work.taps->taps, first_tap = work.taps->first;
+  const lidar::PulseMoments pulse = lidar::make_moments(*work.taps);
+  const auto powers = static_cast<std::size_t>(pulse.cells * RC_MOMENTS);
+  std::vector<float> unaligned(powers * pad + 16, 0.0f);
   float* shares = on_line(unaligned.data());
-  for (std::size_t q = 0; q <= static_cast<std::size_t>(phases); ++q)
-    std::copy_n(work.taps->share.data() + q * static_cast<std::size_t>(taps), taps, shares + q * pad);
-  const Deposit add = kDeposits.at(pad / 16 - 1);
+  for (std::size_t q = 0; q < powers; ++q)
+    std::copy_n(pulse.share.data() + q * static_cast<std::size_t>(taps), taps, shares + q * pad);
   in_parallel(work.groups.size(), 16, threads, [&](std::size_t begin, std::size_t end) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     alignas(64) RTCRayHit16 packet;
     alignas(64) int valid[16];
-    alignas(64) float energy[16], place[16];
-    Returns returns;
     std::vector<float> window(row_size + 16);
     float* row = on_line(window.data());
+    Moments<Vectors> moments(shares, pulse.cells, row);
     for (std::size_t s = begin; s < end; ++s) {
       const shared::RayGroup& g = work.groups[s];
       std::fill(row, row + row_size, 0.0f);
@@ -158,33 +236,37 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
                     t = lanes(packet.ray.tfar);
         const Vec16 d2 = dx * dx + dy * dy + dz * dz, n2 = nx * nx + ny * ny + nz * nz, t2 = t * t;
         // cosine to the surface and to the axis over the range squared, in one division
-        lanes(energy) = work.weight * magnitude(nx * dx + ny * dy + nz * dz) *
-                        (g.d0.x * dx + g.d0.y * dy + g.d0.z * dz) / (d2 * d2 * t2 * root(n2));
-        lanes(place) = (t * root(d2) - work.start_m[s]) * work.bins_per_m;
-        returns.count = 0;
-        std::uint32_t last_tree = 0, last_primitive = RTC_INVALID_GEOMETRY_ID;
-        float reflectance = 0;
-        for (int k = 0; k < live; ++k) {
-          const std::uint32_t primitive = packet.hit.primID[k];
-          if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-          const std::uint32_t tree = flat ? 0u : scene_.instances[packet.hit.instID[0][k]].tree;
-          if (primitive != last_primitive || tree != last_tree) {
-            reflectance = (*work.reflectance)[surface_[tree][primitive]];
-            last_primitive = primitive, last_tree = tree;
-          }
-          const float whole = std::floor(place[k]), phase = (place[k] - whole) * static_cast<float>(phases);
-          const int q = std::min(static_cast<int>(phase), phases - 1), start = static_cast<int>(whole) + first_tap;
-          if (start + taps <= 0 || start >= work.bins) continue;
-          const float e = energy[k] * reflectance, high = e * (phase - static_cast<float>(q));
-          const int i = returns.count++;
-          returns.low[i] = e - high, returns.high[i] = high;
-          returns.start[i] = start + static_cast<int>(pad), returns.share[i] = q * static_cast<int>(pad);
-        }
-        add(returns, shares, row);
+        const Vec16 energy = reflectances(work, packet, live, flat ? nullptr : scene_.instances.data(), surface_) *
+                             work.weight * magnitude(nx * dx + ny * dy + nz * dz) *
+                             (g.d0.x * dx + g.d0.y * dy + g.d0.z * dz) / (d2 * d2 * t2 * root(n2));
+        const Vec16 place = (t * root(d2) - work.start_m[s]) * work.bins_per_m;
+        const Int16 bin = whole_below(place), start = bin + first_tap;
+        const Vec16 part = (place - __builtin_convertvector(bin, Vec16)) * static_cast<float>(pulse.cells);
+        const Int16 cut = __builtin_convertvector(part, Int16), last = Int16{} + (pulse.cells - 1),
+                    cell = cut > last ? last : cut;
+        const Int16 hit =
+            reinterpret_cast<const Int16&>(packet.hit.geomID) != -1 && start + taps > 0 && start < work.bins;
+        moments.add(hit ? (start + static_cast<int>(pad)) * pulse.cells + cell : Int16{} - 1,
+                    hit ? part - __builtin_convertvector(cell, Vec16) - 0.5f : all(0), hit ? energy : all(0));
       }
+      moments.fold_all();
       write_row(row, row_size, rows + s * row_size);
     }
   });
+}
+
+void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
+  switch (row_pad(work) / 16) {
+    case 1:
+      return run_of<1>(work, threads, rows);
+    case 2:
+      return run_of<2>(work, threads, rows);
+    case 3:
+      return run_of<3>(work, threads, rows);
+    case 4:
+      return run_of<4>(work, threads, rows);
+  }
+  throw base::Error(base::Fault::bug, "the baseline bins pulses of up to 64 taps");
 }
 
 }  // namespace raycube::bench

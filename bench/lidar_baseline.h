@@ -30,10 +30,12 @@ class LidarBaseline {
   /// The first place from `at` on that begins a cache line.
   static float* on_line(float* at);
   /// rows[shot * row_floats + row_pad + bin], on a cache line, cleared first. Traced and binned in one pass over the
-  /// shots; pulses of up to 64 taps.
+  /// shots; pulses without corners, of up to 64 taps.
   void run(const LidarWork& work, int threads, float* rows) const;
 
  private:
+  template <int Vectors>
+  void run_of(const LidarWork& work, int threads, float* rows) const;
   const EmbreeBaseline& embree_;
   const scene::CompiledScene& scene_;
   std::vector<std::vector<std::uint32_t>> surface_;  ///< [tree][Embree's primitive]

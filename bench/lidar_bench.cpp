@@ -253,10 +253,10 @@ void run_lidar(const Settings& settings, Report& report) {
     const scene::Lidar few = bench_lidar(64), many = bench_lidar(1024);
     report.add("lidar_terrain_vs_embree16_bin",
                compare(Rig(terrain, few, raster(few, 20000)), embree, settings, report, "terrain, 64 sub-rays"), "x",
-               Goal::at_least(1.8));
+               Goal::at_least(2.0));
     report.add("lidar_terrain1024_vs_embree16_bin",
                compare(Rig(terrain, many, raster(many, 4000)), embree, settings, report, "terrain, 1024 sub-rays"), "x",
-               Goal::at_least(3.0));
+               Goal::at_least(2.5));
   }
   {
     const std::string file = settings.park_file.substr(0, settings.park_file.rfind('/') + 1) + "park_survey.toml";

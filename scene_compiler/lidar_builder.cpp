@@ -117,7 +117,7 @@ Lidar read_lidar(const Record& record, const SceneParts& parts, const PlacedBox&
   if (const auto* table = sound("turbulence")) detail::read_turbulence(*table, out, report);
   if (const auto* table = sound("detector")) detail::read_detector(*table, has_sun, out, report);
   if (const auto* table = sound("echoes")) detail::read_echoes(*table, out, report);
-  detail::read_outputs(sound("speckle"), sound("products"), out);
+  detail::read_outputs(sound("speckle"), sound("products"), out, report);
   detail::read_platform(record, parts, out, report);
   if (record.sound && report.problems.lines().size() == before) {
     check_together(record, out, report);

@@ -77,7 +77,7 @@ void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report) {
   e.max_returns = static_cast<int>(echoes.integer("max_returns"));
 }
 
-void read_outputs(const Record* speckle, const Record* products, Lidar& out) {
+void read_outputs(const Record* speckle, const Record* products, Lidar& out, const LidarReport& report) {
   if (speckle) {
     out.speckle.on = speckle->boolean("on");
     out.speckle.polarization_modes = speckle->number("polarization_modes");
@@ -87,6 +87,10 @@ void read_outputs(const Record* speckle, const Record* products, Lidar& out) {
   p.waveforms = products->boolean("waveforms"), p.cube = products->boolean("cube"), p.las = products->boolean("las");
   p.csv = products->boolean("csv"), p.png = products->boolean("png");
   p.internal_waveforms = products->boolean("internal_waveforms"), p.orders = products->boolean("orders");
+  p.laz = products->boolean("laz");
+  if (p.laz && p.waveforms && p.internal_waveforms)
+    report.problems.add(products->place("laz"), "'laz' keeps waveforms beside the points, not inside the file",
+                        "internal_waveforms = true", "remove 'internal_waveforms'");
 }
 
 }  // namespace raycube::scene::detail

@@ -39,7 +39,7 @@ void read_turbulence(const Record& turbulence, Lidar& out, const LidarReport& re
 void read_detector(const Record& detector, bool has_sun, Lidar& out, const LidarReport& report);
 /// After the detector.
 void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report);
-void read_outputs(const Record* speckle, const Record* products, Lidar& out);
+void read_outputs(const Record* speckle, const Record* products, Lidar& out, const LidarReport& report);
 
 /// `box`: around all that is placed.
 /// What is known before the first pulse to leave records empty or turbulence unsure of its ground: notices,

@@ -156,6 +156,7 @@ struct LidarEchoes {
 /// same numbers.
 struct LidarProducts {
   bool waveforms = true, cube = true, las = true, csv = true, png = true;
+  bool laz = false;                 ///< the points of the LAS file, compressed
   bool internal_waveforms = false;  ///< LAS packets inside the .las file instead of a .wdp
   bool orders = false;              ///< keep single, multiple and air apart in the cube
 };

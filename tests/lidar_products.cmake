@@ -7,12 +7,12 @@ target_link_libraries(las_samples PRIVATE raycube_products nlohmann_json::nlohma
 add_test(NAME lidar_las COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_las_test.py
   $<TARGET_FILE:las_samples> $<TARGET_FILE:raycube>)
 set_tests_properties(lidar_las PROPERTIES LABELS fast)
-# laspy comes from PyPI (ci/setup): where it is missing, this one says so and skips.
-set(RAYCUBE_VENV ${PROJECT_SOURCE_DIR}/build/venv CACHE PATH "Virtual environment with laspy (ci/setup)")
+# laspy and lazrs come from PyPI (ci/setup): where they are missing, this one says so and skips.
+set(RAYCUBE_VENV ${PROJECT_SOURCE_DIR}/build/venv CACHE PATH "Virtual environment with laspy and lazrs (ci/setup)")
 add_test(NAME lidar_laspy COMMAND sh -c
   "p='${RAYCUBE_VENV}/bin/python'; [ -x \"$p\" ] || p='${RAYCUBE_TEST_PYTHON}'; exec \"$p\" \"$@\""
   lidar_laspy ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_laspy_test.py $<TARGET_FILE:las_samples>
-  $<TARGET_FILE:lidar_run_samples>)
+  $<TARGET_FILE:lidar_run_samples> ${CMAKE_BINARY_DIR}/share/raycube)
 set_tests_properties(lidar_laspy PROPERTIES LABELS fast SKIP_RETURN_CODE 77)
 # What `render` leaves of a run, without a device.
 add_executable(lidar_run_samples ${CMAKE_CURRENT_LIST_DIR}/support/lidar_run_samples.cpp)

@@ -68,9 +68,9 @@ class InputReader {
     const base::Where at = here_;
     const auto file = named_file(words, "the included file is not there",
                                  "put it beside this file, or write its lines in place of this one");
-    if (file && depth >= kDeepest)
-      problems_.add(at, "files include each other", *file, "take out the line that closes the ring");
-    else if (file)
+    if (file && depth >= kDeepest && !ring_)
+      problems_.add(at, "files include each other", *file, "take out the line that closes the ring"), ring_ = true;
+    else if (file && !ring_)
       read_file(*file, depth + 1);
   }
 
@@ -311,6 +311,7 @@ class InputReader {
 
   UvspecInput in_;
   base::Problems problems_;
+  bool ring_ = false;  ///< told once
   base::Where here_;
   UvspecAsked asked_;
   std::optional<double> sza_, ground_height_m_;

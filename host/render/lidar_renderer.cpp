@@ -98,7 +98,7 @@ struct BatchBuffers {
 };
 
 LidarShotsArguments shots_arguments(const SceneBuffers& scene, const DeviceTables& device, const lidar::LidarPlan& plan,
-                                    BatchBuffers& batch) {
+                                    int cells, BatchBuffers& batch) {
   return {.nodes = scene.nodes,
           .blocks = scene.blocks,
           .instances = scene.instances,
@@ -120,6 +120,7 @@ LidarShotsArguments shots_arguments(const SceneBuffers& scene, const DeviceTable
           .taps_used = plan.taps.taps,
           .first_tap = plan.taps.first,
           .phases = plan.taps.phases,
+          .cells = cells,
           .first = batch.first,
           .multiple = batch.multiple,
           .stopped = batch.stopped,
@@ -157,6 +158,7 @@ LidarAirArguments air_arguments(const DeviceTables& device, const lidar::LidarPl
           .taps_used = plan.taps.taps,
           .first_tap = plan.taps.first,
           .phases = plan.taps.phases,
+          .cells = 0,
           .stopped = batch.stopped,
           .rows = batch.way,
           .scratch = batch.scratch,
@@ -405,7 +407,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
       batch_buffers.beam_of.write(beam_of);
       batch_buffers.beams.write(beams.records());
     }
-    stage.kernel.arguments(shots_arguments(s.buffers, device, plan, batch_buffers));
+    stage.kernel.arguments(shots_arguments(s.buffers, device, plan, tables.cells, batch_buffers));
     s.context.finish();
     const auto start = std::chrono::steady_clock::now();
     s.context.launch(stage.kernel, batch.count);

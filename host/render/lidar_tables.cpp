@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/lidar/pulse_lobes.h"
+#include "host/lidar/pulse_moments.h"
 #include "kernels/lidar/layout.h"
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
@@ -17,6 +18,10 @@ namespace {
 constexpr int kMostBundle = 1024;
 /// Floats of an owner's rows that a work-item keeps in its own memory: 16 KiB, within a core's first cache.
 constexpr std::size_t kRowWindow = 4096;
+/// Lines whose moments a work-item keeps: 9 KiB each. Of so few rays that every cell has about one, each adds its own
+/// pulse sooner (19 sub-rays: by a tenth).
+constexpr int kMostFoldedLines = 4;
+constexpr std::size_t kFewestFoldedRays = 48;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Half divergence below which a bundle's rounding, 16 ulp of a direction, passes 5 % of its unit: single rays are
 /// faster then.
@@ -123,6 +128,18 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
     for (std::size_t i = 0; i < padded; ++i)
       tables.taps.push_back(
           i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
+  if (tables.owner_rows == static_cast<std::size_t>(plan.lines()) && plan.lines() <= kMostFoldedLines &&
+      plan.footprint.a.size() >= kFewestFoldedRays) {
+    const lidar::PulseMoments moments = lidar::make_moments(taps);
+    for (int row = 0; row < moments.cells * RC_MOMENTS; ++row)
+      for (std::size_t i = 0; i < padded; ++i)
+        tables.taps.push_back(
+            i < static_cast<std::size_t>(taps.taps)
+                ? moments.share[static_cast<std::size_t>(row) * static_cast<std::size_t>(taps.taps) + i]
+                : 0.0f);
+    tables.cells = moments.cells;
+  }
+  tables.shot_options += define("RC_FOLDED", tables.cells > 0 ? 1 : 0);
   tables.row_pad = padded;
   tables.row_floats = 2 * padded + static_cast<std::size_t>(RC_PADDED(plan.lidar.gate.bins));
   tables.options += define("RC_TAPS_PADDED", padded);

@@ -15,6 +15,7 @@ struct LidarTables {
   bool single = false;  ///< rays are traced one by one
   std::vector<shared::Lobe> lobes;
   std::vector<float> samples, exits, photons, node_weight, taps, settings, backscatter, volume_depth;
+  int cells = 0;  ///< of a bin, for moments (taps holds those behind its phases); 0: none
   std::vector<std::uint32_t> first_node;
   std::vector<shared::rc_float4> optics;
   std::vector<float> air;  ///< pairs

@@ -16,6 +16,7 @@
 #include "host/base/sha256.h"
 #include "host/base/version.h"
 #include "host/base/units.h"
+#include "host/run/laz.h"
 #include "host/run/lidar_csv.h"
 #include "host/run/python_chart.h"
 #include "host/lidar/return_truth.h"
@@ -95,7 +96,9 @@ struct LidarProducts::State {
     set.hash_blocks();
     const auto& wanted = lidar.products;
     if (wanted.cube) cube_data = &set.add("waveforms.img"), cube_text = &set.add("waveforms.hdr");
-    if (wanted.las) begin_las();
+    if (wanted.laz) python = laz_python();
+    if (wanted.las || wanted.laz) begin_las();
+    if (wanted.laz) laz_file = &set.add("returns.laz");
     if (wanted.csv) tables.emplace(set, simulation, plan);
     if (wanted.png)
       for (const char* name : kPictures)
@@ -110,12 +113,16 @@ struct LidarProducts::State {
           lidar.gate.bin_s * 1e12));
       waveforms = false;
     }
-    base::OutputFile& points = *(las_file = &set.add("returns.las"));
+    const auto scratch = [this](std::unique_ptr<base::OutputFile>& file, const char* name) {
+      file =
+          std::make_unique<base::OutputFile>((std::filesystem::path(folder) / name).string(), base::IfExists::replace);
+      return file.get();
+    };
+    las_file = lidar.products.las ? &set.add("returns.las") : scratch(scratch_points, ".returns.las");
+    base::OutputFile& points = *las_file;
     base::OutputFile* packets = nullptr;
     if (waveforms && lidar.products.internal_waveforms)
-      packets = (scratch = std::make_unique<base::OutputFile>(
-                     (std::filesystem::path(folder) / ".returns.packets").string(), base::IfExists::replace))
-                    .get();
+      packets = scratch(scratch_packets, ".returns.packets");
     else if (waveforms)
       packets = waveform_file = &set.add("returns.wdp");
     const auto& origin = simulation.scene.origin;
@@ -306,6 +313,18 @@ struct LidarProducts::State {
     rays += static_cast<std::uint64_t>(result.rays);
   }
 
+  /// Of the points as they are now.
+  void compress() {
+    const std::string packed = laz_file->temporary_path() + ".laz";  // laspy goes by the ending
+    struct Remove {
+      const std::string& path;
+      ~Remove() { std::remove(path.c_str()); }
+    } remove{packed};
+    las_file->sync();
+    write_laz(python, las_file->temporary_path(), packed);
+    append_drawn(*laz_file, packed);
+  }
+
   /// What the pictures need to know besides the files.
   Json picture_facts() const {
     Json j = {{"title", lidar.name},
@@ -368,11 +387,13 @@ struct LidarProducts::State {
   base::OutputSet set;
   base::OutputFile* cube_data = nullptr;
   base::OutputFile* cube_text = nullptr;
-  std::unique_ptr<base::OutputFile> scratch;
+  std::unique_ptr<base::OutputFile> scratch_points, scratch_packets;
   std::optional<products::TimeCubeWriter> cube;
   std::optional<products::LasWriter> las;
   std::optional<LidarCsv> tables;
   base::OutputFile* las_file = nullptr;
+  base::OutputFile* laz_file = nullptr;
+  std::string python;                         ///< for LAZ
   base::OutputFile* waveform_file = nullptr;  ///< beside the points: its hashes are in the digest
   base::Sha256 digest;
   std::vector<float> values;
@@ -429,9 +450,11 @@ void LidarProducts::publish(products::RunRecord& record) {
   if (s.las) {
     s.flush_points(s.line.scans());
     s.las->finish(s.shots, s.without_return);
-    record.files.emplace_back("returns.las", fmt::format("returns, LAS 1.4 format {}, {}", s.las->format(), where));
+    const std::string what = fmt::format("returns, LAS 1.4 format {}, {}", s.las->format(), where);
+    if (s.lidar.products.las) record.files.emplace_back("returns.las", what);
+    if (s.laz_file) s.compress(), record.files.emplace_back("returns.laz", what + ", compressed (LAZ)");
     if (s.las_waveforms && !s.lidar.products.internal_waveforms)
-      record.files.emplace_back("returns.wdp", "waveforms of returns.las");
+      record.files.emplace_back("returns.wdp", "waveforms of the returns");
   }
   if (s.tables) s.tables->finish(record);
   if (s.waveform_file) {

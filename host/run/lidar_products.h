@@ -2,6 +2,7 @@
 // of pulses.
 //   waveforms.img     time cube: expectations and records, one line per pulse and pixel (time_cube.h)
 //   returns.las       point cloud with truth; the waveforms beside it in returns.wdp, or inside
+//   returns.laz       the same points, compressed
 //   returns.csv       the same returns; pulses.csv: every pulse, its geometry, detection and energy ledger;
 //   photons.csv       Geiger time tags
 //   *.png             waveforms, ranges, points
@@ -25,7 +26,7 @@ class LidarProducts {
  public:
   /// Begins the files in `folder` that the lidar asks for; refuses at once what exists (unless replaced). What it
   /// refers to must outlive it. Pictures are left out, with a warning in the record, where Debian's python3-matplotlib
-  /// is missing.
+  /// is missing; LAZ without laspy and lazrs is refused.
   LidarProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation,
                 const lidar::LidarPlan& plan);
   ~LidarProducts();

@@ -18,7 +18,7 @@ void draw_into(const std::string& script, base::OutputFile& figures, base::Outpu
 /// Runs a script of host/plots on a file of figures (JSON) that says where to draw. Throws Error(environment) when
 /// Python or matplotlib is missing.
 void run_plot(const std::string& script, const std::string& figures);
-/// Appends what lies at `path`, which a script was to draw.
-void append_drawn(base::OutputFile& picture, const std::string& path);
+/// Appends what lies at `path`, which a script was to write.
+void append_drawn(base::OutputFile& out, const std::string& path);
 
 }  // namespace raycube::run

@@ -107,7 +107,10 @@ nlohmann::json turbulence_json(const scene::Lidar& lidar, const lidar::Turbulenc
 }
 
 std::string main_file(const scene::Lidar& lidar, const std::string& folder) {
-  return folder + (lidar.products.las ? "/returns.las" : lidar.products.cube ? "/waveforms.img" : "/run.json");
+  return folder + (lidar.products.las    ? "/returns.las"
+                   : lidar.products.laz  ? "/returns.laz"
+                   : lidar.products.cube ? "/waveforms.img"
+                                         : "/run.json");
 }
 
 /// What turbulence needs to know of a shot's way: the ground below it, and the range of the surface that its

@@ -24,6 +24,8 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
                          stopped + (RC_STOPPED ? owner * rc_stopped_floats(t->row) : 0)};
 #endif
   LidarSums total;
+  OwnerMemory memory;
+  rc_begin_memory(&memory);
   rc_clear_sums(&total);
   rc_clear_rows(t, &own);
 
@@ -42,10 +44,11 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
 #endif
       if (RC_HITS) rc_write_hits(&word, owner, begin + slot, first_hits);
       rc_follow_word(scene, t, word.a, word.b, begin + slot, word.instances, word.primitives, own.first, own.multiple,
-                     own.stopped, &total);
+                     own.stopped, &memory, &total);
     }
   }
 
+  rc_fold_memory(t, &memory, own.first, &total);
   rc_close_rows(t, &own, &total);
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
     const size_t at = (size_t)owner * RC_LASER_LINES + line;

@@ -19,7 +19,8 @@
   VALUE(rc_int, bins) NEXT() \
   VALUE(rc_int, taps_used) NEXT() \
   VALUE(rc_int, first_tap) NEXT() \
-  VALUE(rc_int, phases)
+  VALUE(rc_int, phases) NEXT() \
+  VALUE(rc_int, cells)                  /* of a bin, for moments; 0: none */
 
 #define RC_LIDAR_SHOTS_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(BvhNode, nodes, NODES) NEXT() \

@@ -6,6 +6,7 @@
 #include "kernels/lidar/deposit.h"
 #include "kernels/lidar/lobes.h"
 #include "kernels/lidar/media.h"
+#include "kernels/lidar/moments.h"
 #include "kernels/lidar/overlap.h"
 #include "kernels/lidar/vertex.h"
 
@@ -41,11 +42,11 @@ typedef struct Leg16 {
 static inline Leg16 rc_leg16(float4 c, Vector16 e) {
   Leg16 leg;
   leg.way = rc_plus16(rc_vector16(c), e);
-  leg.range = sqrt(rc_max16(rc_dot16(leg.way, leg.way), (float16)(1e-30f)));
-  const float16 both = leg.range + c.w, over = 1.0f / (leg.range * both); /* one division for two */
-  leg.inverse = both * over;
+  const float16 square = rc_max16(rc_dot16(leg.way, leg.way), (float16)(1e-30f));
+  leg.inverse = rc_inverse_root16(square);
+  leg.range = rc_root16(square, leg.inverse);
   const float16 dot = fma((float16)(c.x), e.x, fma((float16)(c.y), e.y, c.z * e.z));
-  leg.more = fma((float16)(2.0f), dot, rc_dot16(e, e)) * (leg.range * over);
+  leg.more = fma((float16)(2.0f), dot, rc_dot16(e, e)) * rc_inverse16(leg.range + c.w);
   return leg;
 }
 
@@ -236,13 +237,23 @@ static inline float16 rc_end_geometry(const LidarTables* t, Vector16 v, float16 
 #endif
 }
 
-/* Deposits what the live vertices send. rows: of the owner, [pixel][line]. shadow: the ways are traced. */
+/* From the end to places relative to Q: where both ends are one place, and rays leave from it, the way out was it. */
+static inline Leg16 rc_leg_home(const LidarTables* t, Vector16 place, Leg16 out) {
+#if RC_EXITS
+  return rc_leg16(t->shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START], place);
+#elif RC_SHADOWS
+  return t->shot[RC_SHOT_AXIS].w == 1.0f ? out : rc_leg16(t->shot[RC_SHOT_FROM_END], place);
+#else
+  return out;
+#endif
+}
+
+/* Deposits what the live vertices send, `leg` from the end. rows: of the owner, [pixel][line]; kept: moments of its rows,
+ * [line], or 0: rows take everything at once (and those of several pixels do). shadow: the ways are traced. */
 static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex,
-                              bool shadow, RC_ROW_SPACE float* rows, LidarSums* sums) {
+                              Leg16 leg, bool shadow, RC_ROW_SPACE float* rows, Moments* kept, LidarSums* sums) {
   global const float4* shot = t->shot;
   global const float* settings = t->settings;
-  const float4 from_end = shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START]; /* one place without shadows */
-  const Leg16 leg = rc_leg16(from_end, paths->place);
   const Vector16 v = leg.way; /* from the end to the vertex */
   const float16 range = leg.range, inverse = leg.inverse;
   const float16 facing = -rc_dot16(v, vertex->normal) * inverse;
@@ -270,9 +281,10 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
 
   const float16 position =
       fma(paths->path + leg.more, (float16)(settings[RC_SET_BINS_PER_M]), (float16)(shot[RC_SHOT_TIME].y));
-  const float16 whole = clamp(floor(position), -1e9f, 1e9f);
-  const float16 phases = position - whole;
-  const int16 bins = convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x);
+  const float16 place = rc_min16(rc_max16(position, (float16)(-1e9f)), (float16)(1e9f));
+  const int16 cut = convert_int16(place), whole = cut + (convert_float16(cut) > place); /* true is -1 */
+  const float16 phases = place - convert_float16(whole);
+  const int16 bins = whole + as_int(shot[RC_SHOT_TIME].x);
 #if RC_OWN_PIXELS > 1
   RC_LINE float phase[16], pixel_lanes[16];
   RC_LINE int bin[16];
@@ -304,9 +316,14 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
     if (shadow) photons *= rc_load16(0, visible[line]);
 #endif
     photons = select((float16)(0.0f), photons, rc_bits16(lanes));
-    rc_add_float(sums->sum[line][RC_SUM_COLLECTED], rc_lane_sum(photons));
     const uint sent = rc_mask16(photons > 0.0f);
-    if (near_lanes) rc_add_float(sums->sum[line][RC_SUM_NEAR], rc_lane_sum(select((float16)(0.0f), photons, near)));
+    const bool folded = RC_FOLDED && kept;
+    if (!folded) rc_add_float(sums->sum[line][RC_SUM_COLLECTED], rc_lane_sum(photons));
+    if (near_lanes) {
+      const float lost = rc_lane_sum(select((float16)(0.0f), photons, near));
+      rc_add_float(sums->sum[line][RC_SUM_NEAR], lost);
+      if (folded) rc_add_float(sums->sum[line][RC_SUM_COLLECTED], lost);
+    }
 #if RC_OWN_PIXELS > 1
     RC_LINE float energy[16];
     rc_store16(photons, 0, energy);
@@ -316,7 +333,11 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
                  energy[k]);
     }
 #else
-    rc_deposit_lanes(t, rows + (size_t)line * t->row, sums->sum[line], sent & ~near_lanes, bins, phases, photons);
+    RC_ROW_SPACE float* row = rows + (size_t)line * t->row;
+    if (folded)
+      rc_keep_lanes(t, kept + line, row, sums->sum[line], sent & ~near_lanes, bins, phases, photons);
+    else
+      rc_deposit_lanes(t, row, sums->sum[line], sent & ~near_lanes, bins, phases, photons);
 #endif
   }
 }

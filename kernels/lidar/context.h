@@ -17,6 +17,7 @@
  *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
  *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
  *                    added up where they lie
+ *   RC_FOLDED        1: hits are kept as moments of their bins and spread by the pulse once an owner (moments.h)
  *   RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are written */
 #ifndef RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 #define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
@@ -67,6 +68,9 @@
 #endif
 #ifndef RC_STOPPED
 #define RC_STOPPED 0
+#endif
+#ifndef RC_FOLDED
+#define RC_FOLDED 0
 #endif
 #ifndef RC_HITS
 #define RC_HITS 0
@@ -136,10 +140,11 @@ typedef struct LidarTables {
   global const LidarVolume* volumes;
   global const float* volume_values; /* of grids */
   global const float* volume_depth;  /* [volume][node]: depth of 1 ppm m of its gas */
-  global const float* taps;          /* [phase][RC_TAPS_PADDED] */
+  global const float* taps;          /* [phase + 1][RC_TAPS_PADDED], then [cell][RC_MOMENTS][RC_TAPS_PADDED] */
   global const float* settings;
   uint seed, row;                         /* row: floats of a padded row */
   int bins, tap_count, first_tap, phases; /* gate and pulse, host/lidar/lidar_plan.h */
+  int cells;                              /* host/lidar/pulse_moments.h */
 } LidarTables;
 
 /* Rays stopped, of an owner: rows [pixel][line], then how many rays each pixel has. */

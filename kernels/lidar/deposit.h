@@ -26,18 +26,24 @@ static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, flo
   }
 }
 
-/* The same for lanes of a word, one after the other, into one row. Neighbours mostly fall into the same bins: these are
- * kept in registers until another start comes. bin, phase: as above; energy: 0 in lanes that send nothing. */
-static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2],
-                                    uint lanes, int16 bin, float16 phase, float16 energy) {
-  const int16 start_lanes = bin + t->first_tap, begins_early = start_lanes + t->tap_count <= 0,
-              begins_late = start_lanes >= t->bins;
+/* The lanes whose pulses reach into the gate; the others' energy goes to the sums. start: bins of their first taps. */
+static inline uint rc_in_gate(const LidarTables* t, float sums[RC_SUM_COUNT][2], uint lanes, int16 start,
+                              float16 energy) {
+  const int16 begins_early = start + t->tap_count <= 0, begins_late = start >= t->bins;
   const uint early = rc_mask16(begins_early) & lanes, late = rc_mask16(begins_late) & lanes;
   if (early | late) {
     rc_add_float(sums[RC_SUM_EARLY], rc_lane_sum(select((float16)(0.0f), energy, rc_bits16(early))));
     rc_add_float(sums[RC_SUM_LATE], rc_lane_sum(select((float16)(0.0f), energy, rc_bits16(late & ~early))));
-    lanes &= ~(early | late);
   }
+  return lanes & ~(early | late);
+}
+
+/* The same for lanes of a word, one after the other, into one row. Neighbours mostly fall into the same bins: these are
+ * kept in registers until another start comes. bin, phase: as above; energy: 0 in lanes that send nothing. */
+static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2],
+                                    uint lanes, int16 bin, float16 phase, float16 energy) {
+  const int16 start_lanes = bin + t->first_tap;
+  lanes = rc_in_gate(t, sums, lanes, start_lanes, energy);
   if (!lanes) return;
   const float16 x = phase * (float)t->phases;
   const int16 q = min(convert_int16(x), (int16)(t->phases - 1)); /* oclgrind takes scalars for lane 0 alone */

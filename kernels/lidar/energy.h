@@ -68,8 +68,8 @@ static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uin
 }
 
 /* Splits the energy at the vertices: `kept` stays on its way into the next segment, the rest of `leaving` goes to an
- * entry, the remainder is absorbed. Shares of what arrives. */
-static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums,
+ * entry, the remainder is absorbed. Shares of what arrives; even: `booked` is one number in all live lanes. */
+static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, bool even, LidarSums* sums,
                                    uint entry) {
   const long16 live = convert_long16(rc_bits16(paths->live));
   const long16 arrives = select((long16)(0), paths->energy[line], live);
@@ -91,11 +91,12 @@ static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uin
   paths->live &= ~lanes;
 }
 
-static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums,
+static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, bool even, LidarSums* sums,
                                    uint entry) {
   const long arrives = rc_emitted(paths->first_ray, paths->live);
-  const long goes = min(
-      (long)((float)RC_LEDGER_UNIT * rc_lane_sum(select((float16)(0.0f), booked, rc_bits16(paths->live)))), arrives);
+  const float share = even ? (float)popcount(paths->live) * booked.s0
+                           : rc_lane_sum(select((float16)(0.0f), booked, rc_bits16(paths->live)));
+  const long goes = min((long)((float)RC_LEDGER_UNIT * share), arrives);
   sums->ledger[line][entry] += goes;
   sums->ledger[line][RC_LEDGER_ABSORBED] += arrives - goes;
 }

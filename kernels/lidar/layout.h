@@ -57,6 +57,9 @@ enum {
 #define RC_POSTS 1280
 enum { RC_BEAM_LOG_NEAR = RC_POSTS + 1, RC_BEAM_POSTS_PER_LOG, RC_BEAM_LAST, RC_BEAM_FLOATS = RC_POSTS + 16 };
 
+/* Moments that a pulse's shares are polynomials in (host/lidar/pulse_moments.h). */
+#define RC_MOMENTS 6
+
 /* Ledger of an owner and line, 64-bit integers, in units of 2^-40 of what it emits. */
 enum { RC_LEDGER_ABSORBED, RC_LEDGER_AIR, RC_LEDGER_VOLUMES, RC_LEDGER_ESCAPED, RC_LEDGER_TRUNCATED, RC_LEDGER_COUNT };
 #define RC_LEDGER_BITS 40

@@ -142,10 +142,10 @@ static inline void rc_split_at_vertex(const LidarTables* t, const Vertex16* vert
     LidarSums apart_sums;
     apart_sums.ledger[line][RC_LEDGER_TRUNCATED] = 0;
     apart_sums.ledger[line][RC_LEDGER_ABSORBED] = 0;
-    rc_split_energy(paths, line, plate, scattered, &apart_sums, RC_LEDGER_TRUNCATED);
+    rc_split_energy(paths, line, plate, scattered, vertex->common != RC_NONE, &apart_sums, RC_LEDGER_TRUNCATED);
     sums->ledger[line][RC_LEDGER_ABSORBED] += apart_sums.ledger[line][RC_LEDGER_ABSORBED];
 #else
-    rc_split_energy(paths, line, plate, scattered, sums, RC_LEDGER_TRUNCATED);
+    rc_split_energy(paths, line, plate, scattered, vertex->common != RC_NONE, sums, RC_LEDGER_TRUNCATED);
 #endif
 #if RC_PLATES
     paths->weight[line] *= plate;
@@ -183,10 +183,43 @@ static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const
 }
 #endif
 
+/* What an owner keeps from word to word. */
+typedef struct OwnerMemory {
+  Triangle triangle; /* that its last rays met */
+#if RC_FOLDED
+  Moments moments[RC_LASER_LINES]; /* of light scattered once */
+#endif
+} OwnerMemory;
+
+static inline Moments* rc_moments(OwnerMemory* memory) {
+#if RC_FOLDED
+  return memory->moments;
+#else
+  return 0;
+#endif
+}
+
+static inline void rc_begin_memory(OwnerMemory* memory) {
+  memory->triangle.instance = RC_NONE;
+#if RC_FOLDED
+  for (uint line = 0; line < RC_LASER_LINES; ++line) rc_clear_moments(memory->moments + line);
+#endif
+}
+
+/* What is kept, to the owner's rows. */
+static inline void rc_fold_memory(const LidarTables* t, OwnerMemory* memory, RC_ROW_SPACE float* rows,
+                                  LidarSums* sums) {
+#if RC_FOLDED
+  for (uint line = 0; line < RC_LASER_LINES; ++line)
+    rc_fold_all(t, memory->moments + line, rows + (size_t)line * t->row, sums->sum[line]);
+#endif
+}
+
 /* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
 static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray,
                                   uint16 instances, uint16 primitives, RC_ROW_SPACE float* first,
-                                  RC_ROW_SPACE float* multiple, global float* stopped, LidarSums* sums) {
+                                  RC_ROW_SPACE float* multiple, global float* stopped, OwnerMemory* memory,
+                                  LidarSums* sums) {
   global const float4* shot = t->shot;
   const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START];
   const int16 exists = a < INFINITY;
@@ -207,7 +240,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
     rc_end_lanes(&paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
     Vertex16 vertex;
-    rc_meet(scene, instances, primitives, paths.live, &rays, &vertex);
+    rc_meet(scene, instances, primitives, paths.live, &rays, &memory->triangle, &vertex);
     const int16 live = rc_bits16(paths.live);
     const float16 along = select((float16)(0.0f), vertex.along, live);
     paths.place = rc_along16(rays.offset, along, rays.direction);
@@ -225,9 +258,9 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 #if RC_PLATES
     Paths16 back = paths;
     for (uint line = 0; line < RC_LASER_LINES; ++line) back.weight[line] *= apart ? (float16)(1.0f) : gone[line];
-    rc_connect(scene, t, &back, &vertex, apart, first, sums);
+    rc_connect(scene, t, &back, &vertex, rc_leg_home(t, paths.place, leg), apart, first, rc_moments(memory), sums);
 #else
-    rc_connect(scene, t, &paths, &vertex, apart, first, sums);
+    rc_connect(scene, t, &paths, &vertex, rc_leg_home(t, paths.place, leg), apart, first, rc_moments(memory), sums);
 #endif
 #if RC_BOUNCES > 1
     Paths16 scattered = paths;

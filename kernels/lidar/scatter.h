@@ -61,7 +61,7 @@ static inline void rc_split_step(const LidarTables* t, const Vertex16* vertex, u
       kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
       booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
     }
-    rc_split_energy(paths, line, rc_load16(0, kept), rc_load16(0, booked), sums, RC_LEDGER_TRUNCATED);
+    rc_split_energy(paths, line, rc_load16(0, kept), rc_load16(0, booked), false, sums, RC_LEDGER_TRUNCATED);
     paths->weight[line] *= rc_load16(0, factor[line]);
   }
 }
@@ -169,7 +169,7 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
     rc_end_lanes(paths, missed & paths->live, sums, RC_LEDGER_ESCAPED);
     if (!paths->live) return;
     const PulseRays16 rays = {rc_load_vector16(from), {0.0f, 0.0f, 0.0f}, rc_load_vector16(way)};
-    rc_meet(scene, rc_load16(0, hits.instance), rc_load16(0, hits.primitive), paths->live, &rays, &vertex);
+    rc_meet(scene, rc_load16(0, hits.instance), rc_load16(0, hits.primitive), paths->live, &rays, 0, &vertex);
     const int16 live = rc_bits16(paths->live);
     const float16 along = select((float16)(0.0f), fmax(vertex.along, 0.0f), live);
     const Vector16 start = rc_minus16(rays.origin, rc_vector16(reference)),
@@ -178,7 +178,8 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
     paths->way = rc_select_vector16(paths->way, rays.direction, live);
     paths->path += along;
     rc_pass_segment(t, paths, rays.origin.z, paths->place, paths->way, along, sums);
-    rc_connect(scene, t, paths, &vertex, true, rows, sums);
+    const float4 from_end = t->shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START]; /* one place without shadows */
+    rc_connect(scene, t, paths, &vertex, rc_leg16(from_end, paths->place), true, rows, 0, sums);
   }
 }
 #endif

@@ -21,7 +21,8 @@ static inline LidarTables rc_tables(global const float4* shot, RC_PARAMETERS(RC_
                               .bins = bins,
                               .tap_count = taps_used,
                               .first_tap = first_tap,
-                              .phases = phases};
+                              .phases = phases,
+                              .cells = cells};
   return tables;
 }
 

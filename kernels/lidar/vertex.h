@@ -61,47 +61,38 @@ static inline Vector16 rc_select_vector16(Vector16 a, Vector16 b, int16 take_b) 
 static inline float16 rc_largest16(float16 a, float16 b, float16 c) {
   return rc_max16(fabs(a), rc_max16(fabs(b), fabs(c)));
 }
-/* How far p is outside the range of a, b, c; NaN where p is. */
-static inline float16 rc_beyond16(float16 p, float16 a, float16 b, float16 c) {
-  return rc_max16((float16)(0.0f), rc_max16(p - rc_max16(a, rc_max16(b, c)), rc_min16(a, rc_min16(b, c)) - p));
+/* Planes of 16 triangles, in their mesh's frame: a corner, the normal (twice the area), the box, the largest number of
+ * two corners. */
+typedef struct Planes16 {
+  Vector16 corner, normal, low, high;
+  float16 size;
+} Planes16;
+
+static inline float16 rc_low3(float16 a, float16 b, float16 c) { return rc_min16(a, rc_min16(b, c)); }
+static inline float16 rc_high3(float16 a, float16 b, float16 c) { return rc_max16(a, rc_max16(b, c)); }
+
+static inline Planes16 rc_planes16(const Vector16* v) {
+  Planes16 planes;
+  const Vector16 e1 = rc_minus16(v[1], v[0]), e2 = rc_minus16(v[2], v[0]);
+  planes.corner = v[0];
+  planes.normal.x = rc_product_difference16(e1.y, e2.z, e1.z, e2.y);
+  planes.normal.y = rc_product_difference16(e1.z, e2.x, e1.x, e2.z);
+  planes.normal.z = rc_product_difference16(e1.x, e2.y, e1.y, e2.x);
+  planes.low.x = rc_low3(v[0].x, v[1].x, v[2].x);
+  planes.low.y = rc_low3(v[0].y, v[1].y, v[2].y);
+  planes.low.z = rc_low3(v[0].z, v[1].z, v[2].z);
+  planes.high.x = rc_high3(v[0].x, v[1].x, v[2].x);
+  planes.high.y = rc_high3(v[0].y, v[1].y, v[2].y);
+  planes.high.z = rc_high3(v[0].z, v[1].z, v[2].z);
+  planes.size = rc_max16(rc_largest16(v[0].x, v[0].y, v[0].z), rc_largest16(v[1].x, v[1].y, v[1].z));
+  return planes;
 }
 
-/* One instance's lanes; the others come out as numbers nobody reads. */
-static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const PulseRays16* rays,
-                                    int16 lanes, float16* along, Vector16* towards) {
-  const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
-  const bool same = placed->flags & 1u;
-  Vector16 o = rays->origin, s = rays->offset, d = rays->direction;
-  if (!same) {
-    o = rc_map_points16(l0, l1, l2, o);
-    s = rc_turn16(l0, l1, l2, s);
-    d = rc_turn16(l0, l1, l2, d);
-  }
-  const Vector16 e1 = rc_minus16(v[1], v[0]), e2 = rc_minus16(v[2], v[0]);
-  Vector16 n;
-  n.x = rc_product_difference16(e1.y, e2.z, e1.z, e2.y);
-  n.y = rc_product_difference16(e1.z, e2.x, e1.x, e2.z);
-  n.z = rc_product_difference16(e1.x, e2.y, e1.y, e2.x);
-  const float16 nd = rc_dot16(n, d), over_nd = 1.0f / nd;
-  const Vector16 to_corner = rc_minus16(rc_minus16(v[0], o), s);
-  float16 tau = rc_dot16(n, to_corner) * over_nd;
-  tau = fma(rc_dot16(n, rc_along16(to_corner, -tau, d)), over_nd, tau);
-  /* A grazing ray or sliver can throw the point off its triangle (0 / 0 included): then it is the box's nearest point.
-   * */
-  const Vector16 start = rc_plus16(o, s), p = rc_along16(start, tau, d);
-  const float16 size = rc_largest16(rc_largest16(v[0].x, v[0].y, v[0].z), rc_largest16(v[1].x, v[1].y, v[1].z),
-                                    rc_largest16(o.x, o.y, o.z));
-  const float16 off = rc_beyond16(p.x, v[0].x, v[1].x, v[2].x) + rc_beyond16(p.y, v[0].y, v[1].y, v[2].y) +
-                      rc_beyond16(p.z, v[0].z, v[1].z, v[2].z);
-  const int16 on = off <= size * (256.0f * RC_ULP);
-  if (rc_mask16(lanes & ~on)) {
-    const Vector16 kept = {rc_clamp_to(p.x, v[0].x, v[1].x, v[2].x), rc_clamp_to(p.y, v[0].y, v[1].y, v[2].y),
-                           rc_clamp_to(p.z, v[0].z, v[1].z, v[2].z)};
-    tau = select(rc_dot16(rc_minus16(kept, start), d) / rc_dot16(d, d), tau, on);
-  }
-  *along = tau;
+/* Unit normals in the scene's frame of planes of one instance, to no side in particular. */
+static inline Vector16 rc_unit_normals(global const Instance* placed, Vector16 n) {
   Vector16 normal = n;
-  if (!same) { /* normals go by the transposed inverse */
+  if (!(placed->flags & 1u)) { /* normals go by the transposed inverse */
+    const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
     normal.x = fma((float16)(l0.x), n.x, fma((float16)(l1.x), n.y, l2.x * n.z));
     normal.y = fma((float16)(l0.y), n.x, fma((float16)(l1.y), n.y, l2.y * n.z));
     normal.z = fma((float16)(l0.z), n.x, fma((float16)(l1.z), n.y, l2.z * n.z));
@@ -112,18 +103,107 @@ static inline void rc_meet_instance(global const Instance* placed, const Vector1
   normal.x *= scale;
   normal.y *= scale;
   normal.z *= scale;
-  const float16 over_length = copysign(1.0f / rc_max16(sqrt(rc_dot16(normal, normal)), (float16)(1e-30f)), -nd);
-  towards->x = normal.x * over_length;
-  towards->y = normal.y * over_length;
-  towards->z = normal.z * over_length;
+  const float16 over_length = 1.0f / rc_max16(sqrt(rc_dot16(normal, normal)), (float16)(1e-30f));
+  normal.x *= over_length;
+  normal.y *= over_length;
+  normal.z *= over_length;
+  return normal;
 }
 
-/* The vertices of the lanes in `live`. */
+/* How far p is outside low .. high; NaN where p is. */
+static inline float16 rc_beyond16(float16 p, float16 low, float16 high) {
+  return rc_max16((float16)(0.0f), rc_max16(p - high, low - p));
+}
+static inline float16 rc_within16(float16 p, float16 low, float16 high) { return fmin(fmax(p, low), high); }
+
+/* Where rays meet planes of one instance: tau, and which way the planes' normals point. Other lanes than `lanes` come
+ * out as numbers nobody reads. */
+RC_ALWAYS static inline float16 rc_meet_planes(global const Instance* placed, const Planes16* planes,
+                                               const PulseRays16* rays, int16 lanes, float16* against) {
+  Vector16 o = rays->origin, s = rays->offset, d = rays->direction;
+  if (!(placed->flags & 1u)) {
+    const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
+    o = rc_map_points16(l0, l1, l2, o);
+    s = rc_turn16(l0, l1, l2, s);
+    d = rc_turn16(l0, l1, l2, d);
+  }
+  const Vector16 n = planes->normal;
+  const float16 nd = rc_dot16(n, d), over_nd = rc_inverse16(nd);
+  const Vector16 to_corner = rc_minus16(rc_minus16(planes->corner, o), s);
+  float16 tau = rc_dot16(n, to_corner) * over_nd;
+  tau = fma(rc_dot16(n, rc_along16(to_corner, -tau, d)), over_nd, tau);
+  /* A grazing ray or sliver can throw the point off its triangle (0 / 0 included): then it is the box's nearest point.
+   * */
+  const Vector16 start = rc_plus16(o, s), p = rc_along16(start, tau, d);
+  const float16 size = rc_max16(planes->size, rc_largest16(o.x, o.y, o.z));
+  const float16 off = rc_beyond16(p.x, planes->low.x, planes->high.x) +
+                      rc_beyond16(p.y, planes->low.y, planes->high.y) + rc_beyond16(p.z, planes->low.z, planes->high.z);
+  const int16 on = off <= size * (256.0f * RC_ULP);
+  if (rc_mask16(lanes & ~on)) {
+    const Vector16 kept = {rc_within16(p.x, planes->low.x, planes->high.x),
+                           rc_within16(p.y, planes->low.y, planes->high.y),
+                           rc_within16(p.z, planes->low.z, planes->high.z)};
+    tau = select(rc_dot16(rc_minus16(kept, start), d) / rc_dot16(d, d), tau, on);
+  }
+  *against = -nd;
+  return tau;
+}
+
+static inline Vector16 rc_turned_to(Vector16 n, float16 against) {
+  const int16 sign = as_int16(against) & (int)0x80000000;
+  const Vector16 r = {as_float16(as_int16(n.x) ^ sign), as_float16(as_int16(n.y) ^ sign),
+                      as_float16(as_int16(n.z) ^ sign)};
+  return r;
+}
+
+/* A triangle that a whole word met, in every lane: what follows mostly meets it too. */
+typedef struct Triangle {
+  Planes16 planes;
+  Vector16 normal;                   /* unit, in the scene's frame */
+  uint instance, primitive, surface; /* instance RC_NONE: none */
+} RC_LINE Triangle;
+
+static inline void rc_remember(SceneArrays scene, uint instance, uint primitive, Triangle* triangle) {
+  global const TriBlock* block = rc_block(scene, primitive / RC_BLOCK);
+  global const float* at = (global const float*)block + primitive % RC_BLOCK;
+  Vector16 v[3];
+  for (uint c = 0; c < 3u; ++c) {
+    v[c].x = at[48u * c];
+    v[c].y = at[48u * c + 16u];
+    v[c].z = at[48u * c + 32u];
+  }
+  triangle->planes = rc_planes16(v);
+  triangle->normal = rc_unit_normals(rc_instance(scene, instance), triangle->planes.normal);
+  triangle->instance = instance;
+  triangle->primitive = primitive;
+  triangle->surface = block->surface[primitive % RC_BLOCK];
+}
+
+#if RC_CONTINUES || RC_SHADOWS
+#define RC_POINTS_OFF 1
+#else
+#define RC_POINTS_OFF 0
+#endif
+
+/* The vertices of the lanes in `live`. triangle: remembered from word to word, or 0. */
 static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitives, uint live, const PulseRays16* rays,
-                           Vertex16* vertex) {
+                           Triangle* triangle, Vertex16* vertex) {
   RC_LINE uint instance_of[16], primitive_of[16];
   rc_store16(instances, 0, instance_of);
   rc_store16(primitives, 0, primitive_of);
+#if !RC_POINTS_OFF
+  const uint first = rc_lowest(live), instance = instance_of[first], primitive = primitive_of[first];
+  if (triangle && !(rc_mask16((instances != instance) | (primitives != primitive)) & live)) {
+    if (triangle->instance != instance || triangle->primitive != primitive)
+      rc_remember(scene, instance, primitive, triangle);
+    float16 against;
+    vertex->along = rc_meet_planes(rc_instance(scene, instance), &triangle->planes, rays, rc_bits16(live), &against);
+    vertex->normal = rc_turned_to(triangle->normal, against);
+    rc_store16((uint16)(triangle->surface), 0, vertex->surface);
+    vertex->common = triangle->surface;
+    return;
+  }
+#endif
   Vector16 v[3];
   uint16 surface = 0u;
   v[0].x = v[0].y = v[0].z = v[1].x = v[1].y = v[1].z = v[2].x = v[2].y = v[2].z = 0.0f;
@@ -147,29 +227,33 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
   vertex->common = surfaces == 1u ? last : RC_NONE;
   rc_store16(surface, 0, vertex->surface);
   const Vector16 zero = {0.0f, 0.0f, 0.0f};
+  const Planes16 planes = rc_planes16(v);
   vertex->along = 0.0f;
   vertex->normal = zero;
-#if RC_CONTINUES || RC_SHADOWS
+#if RC_POINTS_OFF
   vertex->front = vertex->back = zero;
-  Vector16 backwards = {-rays->direction.x, -rays->direction.y, -rays->direction.z};
 #endif
   while (live) { /* one instance after the other: its matrices are shared */
     const uint instance = instance_of[rc_lowest(live)];
     const int16 lanes = (instances == instance) & rc_bits16(live);
     live &= ~rc_mask16(lanes);
-    float16 along;
-    Vector16 towards;
-    rc_meet_instance(rc_instance(scene, instance), v, rays, lanes, &along, &towards);
+    global const Instance* placed = rc_instance(scene, instance);
+    float16 against;
+    const float16 along = rc_meet_planes(placed, &planes, rays, lanes, &against);
     vertex->along = select(vertex->along, along, lanes);
-    vertex->normal = rc_select_vector16(vertex->normal, towards, lanes);
-#if RC_CONTINUES || RC_SHADOWS
+    vertex->normal =
+        rc_select_vector16(vertex->normal, rc_turned_to(rc_unit_normals(placed, planes.normal), against), lanes);
+#if RC_POINTS_OFF
     Vector16 there, facing;
     float16 lift;
     const Vector16 from = rc_plus16(rays->origin, rays->offset);
-    rc_surface_points(rc_instance(scene, instance), v, from, rays->direction, &there, &facing, &lift);
+    rc_surface_points(placed, v, from, rays->direction, &there, &facing, &lift);
     vertex->front = rc_select_vector16(vertex->front, there, lanes);
-    rc_surface_points(rc_instance(scene, instance), v, from, backwards, &there, &facing, &lift);
+#if RC_PLATES || RC_LEAVES /* else nothing leaves a surface behind */
+    const Vector16 backwards = {-rays->direction.x, -rays->direction.y, -rays->direction.z};
+    rc_surface_points(placed, v, from, backwards, &there, &facing, &lift);
     vertex->back = rc_select_vector16(vertex->back, there, lanes);
+#endif
 #endif
   }
 }

@@ -135,8 +135,26 @@ def any_extent(work):
     check(abs(las.point(0)["xyz"][0]) > 214e3, "it goes past what 0.1 mm hold")
 
 
+def packed_points(work):
+    """LAZ without a Python that can write it, and with waveforms inside: one error each, before the first pulse, and
+    nothing written. (What LAZ holds: lidar_laspy_test.py.)"""
+    file = work / "survey.toml"
+    text = file.read_text()
+    for more, status, wanted in (
+        ("laz = true", 3, ("no laspy with lazrs (looked in /bin/false)", "RAYCUBE_PYTHON", "pip install laspy lazrs")),
+        ("laz = true\nwaveforms = true\ninternal_waveforms = true", 2, ("survey.toml", "'laz'", "internal_waveforms")),
+    ):
+        kept = "" if "waveforms" in more else "\nwaveforms = false"
+        file.write_text(text.replace("waveforms = false", more + kept))
+        program.refused(
+            "render", file, "-o", work / "none", status=status, says=wanted, env={"RAYCUBE_PYTHON": "/bin/false"}
+        )
+        check(not any((work / "none").rglob("returns*")), "something was written")
+
+
 with tempfile.TemporaryDirectory() as name:
     work = pathlib.Path(name)
     strips_classes_and_lines(work)
     any_extent(work)
+    packed_points(work)
 print(f"lidar_surveyors: {program.checks} checks")

@@ -1,7 +1,8 @@
 // Products of two LIDAR runs, as `render` leaves them, for readers in Python: expectations by the reference, records
 // made here without noise, so that every number can be foretold.
 //   survey: oscillating mirror over a roof 10 m above a plane, in UTM; waveforms beside the LAS file; every tenth pulse
-//   unseen flash:  8 x 8 Geiger pixels, two lines, orders apart, no coordinate system; waveforms inside the LAS file
+//           unseen; packed: the same with LAZ; packed_alone: with LAZ instead of LAS
+//   flash:  8 x 8 Geiger pixels, two lines, orders apart, no coordinate system; waveforms inside the LAS file
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -126,11 +127,17 @@ void write_run(const std::string& folder, const scene::Lidar& lidar, bool georef
 int main(int count, char** arguments) {
   try {
     if (count == 3 && std::strcmp(arguments[1], "survey") == 0) return write_run(arguments[2], survey_lidar(), true), 0;
+    if (count == 3 && std::strncmp(arguments[1], "packed", 6) == 0) {
+      scene::Lidar lidar = survey_lidar();
+      lidar.products.laz = true;
+      lidar.products.las = std::strcmp(arguments[1], "packed") == 0;
+      return write_run(arguments[2], lidar, true), 0;
+    }
     if (count == 3 && std::strcmp(arguments[1], "flash") == 0) return write_run(arguments[2], flash_lidar(), false), 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;
   }
-  std::fprintf(stderr, "usage: lidar_run_samples survey|flash FOLDER\n");
+  std::fprintf(stderr, "usage: lidar_run_samples survey|packed|packed_alone|flash FOLDER\n");
   return 2;
 }

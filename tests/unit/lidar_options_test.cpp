@@ -221,6 +221,7 @@ cube = false
 las = false
 csv = false
 png = false
+laz = true
 internal_waveforms = true
 orders = true
 )";
@@ -349,7 +350,7 @@ TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: echoes and produc
   CHECK(l.echoes.fraction == 0.4);
   CHECK(l.echoes.max_returns == 6);
   CHECK_FALSE((l.products.waveforms || l.products.cube || l.products.las || l.products.csv || l.products.png));
-  CHECK((l.products.internal_waveforms && l.products.orders));
+  CHECK((l.products.laz && l.products.internal_waveforms && l.products.orders));
 }
 
 TEST_CASE("S27: an array samples from the receiver, a Geiger detector has its keys, Hufnagel-Valley its own") {

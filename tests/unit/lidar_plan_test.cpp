@@ -10,6 +10,7 @@
 #include "host/lidar/air_column.h"
 #include "host/lidar/footprint.h"
 #include "host/lidar/make_lidar_plan.h"
+#include "host/lidar/pulse_moments.h"
 #include "host/lidar/pulse_taps.h"
 #include "tests/support/lidar_kit.h"
 
@@ -46,6 +47,33 @@ double worst_tap_error(const scene::LidarPulse& pulse, double bin_s) {
   return worst / largest;
 }
 
+/// The same through moments of one hit of unit energy, of the largest share; cells by the way.
+double worst_moment_error(const scene::LidarPulse& pulse, double bin_s, int& cells) {
+  const auto taps = lidar::make_taps(pulse, bin_s);
+  const auto moments = lidar::make_moments(taps);
+  cells = moments.cells;
+  double worst = 0, largest = 0;
+  for (int k = 0; cells && k < 3001; ++k) {
+    const double position = 40 + k * 0.000733123, whole = std::floor(position), place = (position - whole) * cells;
+    const int c = std::min(static_cast<int>(place), cells - 1);
+    double total = 0;
+    for (int i = 0; i < taps.taps; ++i) {
+      double found = 0;
+      for (int m = RC_MOMENTS - 1; m >= 0; --m)
+        found = found * (place - c - 0.5) +
+                static_cast<double>(moments.share[static_cast<std::size_t>((c * RC_MOMENTS + m) * taps.taps + i)]);
+      const double begin_s = (whole + taps.first + i - position) * bin_s,
+                   exact = lidar::pulse_share(pulse, begin_s, begin_s + bin_s);
+      CHECK(found > -1e-9);  // no light is taken away
+      worst = std::max(worst, std::abs(exact - found));
+      largest = std::max(largest, exact);
+      total += found;
+    }
+    CHECK(total == doctest::Approx(1).epsilon(1e-6));
+  }
+  return cells ? worst / largest : -1;
+}
+
 }  // namespace
 
 TEST_CASE("bad input: a pulse over more bins than a device adds at every hit is refused, one below is not") {
@@ -78,6 +106,27 @@ TEST_CASE("S28, L-31: the pulse's shares of bins, between phases too, equal its 
   CHECK(worst_tap_error(pulse, 1e-9) < 1e-6);
   pulse.fwhm_s = 2.7e-9;
   CHECK(worst_tap_error(pulse, 1e-9) < 1e-6);
+}
+
+TEST_CASE("S28: moments of smooth pulses equal their integral; those with corners have none") {
+  scene::LidarPulse pulse;
+  int cells = 0;
+  for (const auto& [fwhm_s, wanted] : {std::pair{4e-9, 1}, {20e-9, 1}, {2e-9, 2}, {1e-9, 4}, {0.3e-9, 8}}) {
+    pulse.fwhm_s = fwhm_s;
+    CAPTURE(fwhm_s);
+    CHECK(worst_moment_error(pulse, 1e-9, cells) < 4.5e-6);  // 2e-6 of the table, and what the table is off
+    CHECK(cells == wanted);
+  }
+  pulse.fwhm_s = 0.1e-9;
+  CHECK(worst_moment_error(pulse, 1e-9, cells) == -1);
+  pulse.shape = scene::PulseShape::rectangular;
+  pulse.fwhm_s = 2e-9;  // corners at the ends of bins: straight between
+  CHECK(worst_moment_error(pulse, 1e-9, cells) < 1e-6);
+  pulse.fwhm_s = 2.7e-9;
+  CHECK(worst_moment_error(pulse, 1e-9, cells) == -1);
+  pulse.fwhm_s = 0;
+  pulse.shape = scene::PulseShape::gaussian;
+  CHECK(worst_moment_error(pulse, 1e-9, cells) == -1);
 }
 
 TEST_CASE("L-31: an impulse on an edge goes to the later bin, a symmetric pulse splits in halves") {
