@@ -1,6 +1,6 @@
-"""LAS files of known contents opened by laspy (PyPI), an implementation nobody here wrote. Usage: lidar_laspy_test.py
-SAMPLES RUN_SAMPLES DATA_FOLDER. Runs in the virtual environment that ci/setup makes; without laspy and lazrs there, it says so and
-skips (77)."""
+"""LAS files of known contents opened by laspy (PyPI), an implementation nobody here wrote.
+Usage: lidar_laspy_test.py SAMPLES RUN_SAMPLES DATA_FOLDER. Runs in the virtual environment that ci/setup makes; without
+laspy and lazrs there, it says so and skips (77)."""
 
 import importlib.util
 import json
@@ -132,8 +132,8 @@ def runs(program, folder):
 
 
 def kept(record):
-    """What LAZ keeps of a VLR. Of extra bytes laspy fills in lowest and highest values, which no option of ours says are
-    there."""
+    """What LAZ keeps of a VLR. Of extra bytes laspy fills in lowest and highest values, which no option of ours says
+    are there."""
     data = record.record_data_bytes()
     if (record.user_id, record.record_id) == ("LASF_Spec", 4):
         data = b"".join(data[at : at + 64] + data[at + 112 : at + 192] for at in range(0, len(data), 192))
