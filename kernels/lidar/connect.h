@@ -248,8 +248,8 @@ static inline Leg16 rc_leg_home(const LidarTables* t, Vector16 place, Leg16 out)
 #endif
 }
 
-/* Deposits what the live vertices send, `leg` from the end. rows: of the owner, [pixel][line]; kept: moments of its rows,
- * [line], or 0: rows take everything at once (and those of several pixels do). shadow: the ways are traced. */
+/* Deposits what the live vertices send, `leg` from the end. rows: of the owner, [pixel][line]; kept: moments of its
+ * rows, [line], or 0: rows take everything at once (and those of several pixels do). shadow: the ways are traced. */
 static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex,
                               Leg16 leg, bool shadow, RC_ROW_SPACE float* rows, Moments* kept, LidarSums* sums) {
   global const float4* shot = t->shot;
