@@ -82,8 +82,8 @@ class Moments {
   Moments(const float* shares, int cells, float* row) : shares_(shares), cells_(cells), row_(row) {
     std::fill(std::begin(cell_), std::end(cell_), kFree);
   }
-  /// cell: start from the row's first float on, times cells, and the cell; below 0: none. y: place in it. Words wait, as
-  /// on the device, until what the branches hang on is long known.
+  /// cell: start from the row's first float on, times cells, and the cell; below 0: none. y: place in it. Words wait,
+  /// as on the device, until what the branches hang on is long known.
   void add(Int16 cell, Vec16 y, Vec16 energy) {
     waiting_[words_++] = {cell, y, energy};
     if (words_ == kWords) sort_words();
