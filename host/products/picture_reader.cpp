@@ -8,10 +8,12 @@
 #include <ImfChannelList.h>
 #include <ImfCompressionAttribute.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
+#include <ImathBox.h>
 #include <gdal_priv.h>
 
 #include "host/base/error.h"

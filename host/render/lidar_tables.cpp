@@ -7,6 +7,7 @@
 #include "host/base/error.h"
 #include "host/lidar/pulse_lobes.h"
 #include "host/lidar/pulse_moments.h"
+#include "host/render/scene_buffers.h"
 #include "kernels/lidar/layout.h"
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
