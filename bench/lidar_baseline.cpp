@@ -109,7 +109,7 @@ class Moments {
       const std::int32_t here = word.cell[__builtin_ctz(left)];
       const Int16 same = word.cell == here;
       left &= ~mask(same);
-      const auto slot = static_cast<std::size_t>(here % kSlots);
+      const auto slot = static_cast<std::size_t>((here ^ here >> 4) % kSlots);
       if (cell_[slot] != here) {
         if (cell_[slot] != kFree) fold(slot);
         cell_[slot] = here;

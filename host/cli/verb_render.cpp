@@ -13,6 +13,7 @@
 #include "host/run/cube_products.h"
 #include "host/run/forecast.h"
 #include "host/run/input_check.h"
+#include "host/run/laz.h"
 #include "host/run/load_job.h"
 #include "host/run/render_camera.h"
 #include "host/run/render_lidar.h"
@@ -96,6 +97,8 @@ class Rendering {
     if (!invocation_.common.dry_run)
       for (const auto& name : done_.names) run::check_output_place(folder_of(name), invocation_.common.overwrite);
     run::check_inputs(simulation, instruments, lidars, true);
+    for (const auto* lidar : lidars)
+      if (lidar->products.laz) run::laz_python();
     read_plan();
     render_cameras(simulation, instruments);
     planning_.renderer = nullptr;  // it went with the cameras

@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kMostCells = 16;
 constexpr double kEnough = 2e-6;  ///< of the largest share
+/// Shares below 0 that are still a float's rounding, of the largest: a pulse takes no light away.
+constexpr double kLeast = -1e-9;
 using Powers = Eigen::Matrix<double, RC_MOMENTS, RC_MOMENTS>;
 
 /// Phases of the table that belong to a cell, both ends included, and where they lie in it.
@@ -56,7 +58,7 @@ std::optional<std::vector<float>> fit(const PulseTaps& taps, const Cell& cell, d
     for (int phase = cell.first(); phase <= cell.last(); ++phase) {
       double sum = 0;
       for (int k = RC_MOMENTS - 1; k >= 0; --k) sum = sum * cell.place(phase) + factor(k);
-      if (!(std::abs(sum - share(phase, i)) <= enough)) return {};
+      if (!(std::abs(sum - share(phase, i)) <= enough && sum >= enough * (kLeast / kEnough))) return {};
     }
     for (int k = 0; k < RC_MOMENTS; ++k)
       out[static_cast<std::size_t>(k * taps.taps + i)] = static_cast<float>(factor(k));

@@ -18,7 +18,7 @@ struct PulseMoments {
 
 /// Through RC_MOMENTS of the table's phases in each cell, near Chebyshev's; as many cells (a power of two, at most 16)
 /// as it takes to meet every phase of the table to 2e-6 of the largest share, which is what the table itself holds
-/// between its phases. Energy is kept as the table keeps it.
+/// between its phases, and none below 0. Energy is kept as the table keeps it.
 PulseMoments make_moments(const PulseTaps& taps);
 
 }  // namespace raycube::lidar

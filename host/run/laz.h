@@ -7,7 +7,8 @@
 namespace raycube::run {
 
 /// A Python that has laspy and lazrs: RAYCUBE_PYTHON where that is set, else the virtual environment of a build
-/// (ci/setup), else the system's. Throws Error(environment), which names those that were tried, where none has.
+/// (ci/setup), else the system's. Throws Error(environment) where none has, which names those that were tried, and
+/// where the script that will be run is missing.
 std::string laz_python();
 
 /// Writes the points of `las` to `laz`. Throws Error(environment) when the script fails.

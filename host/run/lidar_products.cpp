@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 #include "host/base/sha256.h"
 #include "host/base/version.h"
 #include "host/base/units.h"
@@ -85,9 +86,10 @@ lidar::Vec3 sight(const lidar::LidarPlan& plan, const lidar::Shot& shot, int pix
 }  // namespace
 
 struct LidarProducts::State {
-  State(const std::string& folder_, base::IfExists if_exists, const scene::Simulation& simulation_,
+  State(const std::string& folder_, base::IfExists if_exists_, const scene::Simulation& simulation_,
         const lidar::LidarPlan& plan_)
       : folder(folder_),
+        if_exists(if_exists_),
         simulation(simulation_),
         plan(plan_),
         lidar(plan_.lidar),
@@ -98,18 +100,22 @@ struct LidarProducts::State {
     if (wanted.cube) cube_data = &set.add("waveforms.img"), cube_text = &set.add("waveforms.hdr");
     if (wanted.laz) python = laz_python();
     if (wanted.las || wanted.laz) begin_las();
-    if (wanted.laz) laz_file = &set.add("returns.laz");
+    if (wanted.laz) refuse_early("returns.laz");
     if (wanted.csv) tables.emplace(set, simulation, plan);
     if (wanted.png)
-      for (const char* name : kPictures)
-        base::OutputFile((std::filesystem::path(folder) / name).string(), if_exists);  // refuses now, not after the run
+      for (const char* name : kPictures) refuse_early(name);
+  }
+
+  /// A file that is begun after the run: refused now where it exists.
+  void refuse_early(const char* name) const {
+    base::OutputFile((std::filesystem::path(folder) / name).string(), if_exists);
   }
 
   void begin_las() {
     bool waveforms = lidar.products.waveforms;
     if (waveforms && spacing_ps(lidar.gate) == 0) {
       warnings.push_back(fmt::format(
-          "returns.las has no waveforms: LAS wants bins of whole picoseconds (found {:.9g} ps); the time cube has them",
+          "the points have no waveforms: LAS wants bins of whole picoseconds (found {:.9g} ps); the time cube has them",
           lidar.gate.bin_s * 1e12));
       waveforms = false;
     }
@@ -313,16 +319,27 @@ struct LidarProducts::State {
     rays += static_cast<std::uint64_t>(result.rays);
   }
 
-  /// Of the points as they are now.
-  void compress() {
-    const std::string packed = laz_file->temporary_path() + ".laz";  // laspy goes by the ending
+  /// The points as they are now, compressed. Where that fails (a full disk) a warning: a run that is whole is not lost,
+  /// and its points are there uncompressed.
+  void compress(products::RunRecord& record, const std::string& what) {
+    const std::string packed = las_file->temporary_path() + ".laz";
     struct Remove {
       const std::string& path;
       ~Remove() { std::remove(path.c_str()); }
     } remove{packed};
     las_file->sync();
-    write_laz(python, las_file->temporary_path(), packed);
-    append_drawn(*laz_file, packed);
+    try {
+      write_laz(python, las_file->temporary_path(), packed);
+    } catch (const base::Error& error) {
+      base::throw_if_interrupted();
+      record.warnings.push_back(std::string("no returns.laz: ") + error.what());
+      if (lidar.products.las) return;
+      append_drawn(set.add("returns.las"), las_file->temporary_path());
+      record.files.emplace_back("returns.las", what);
+      return;
+    }
+    append_drawn(set.add("returns.laz"), packed);
+    record.files.emplace_back("returns.laz", what + ", compressed (LAZ)");
   }
 
   /// What the pictures need to know besides the files.
@@ -379,6 +396,7 @@ struct LidarProducts::State {
   }
 
   std::string folder;
+  base::IfExists if_exists;
   const scene::Simulation& simulation;
   const std::vector<std::uint32_t> named{scene::named_materials(simulation.scene)};  ///< of each of the materials
   const lidar::LidarPlan& plan;
@@ -392,7 +410,6 @@ struct LidarProducts::State {
   std::optional<products::LasWriter> las;
   std::optional<LidarCsv> tables;
   base::OutputFile* las_file = nullptr;
-  base::OutputFile* laz_file = nullptr;
   std::string python;                         ///< for LAZ
   base::OutputFile* waveform_file = nullptr;  ///< beside the points: its hashes are in the digest
   base::Sha256 digest;
@@ -452,7 +469,7 @@ void LidarProducts::publish(products::RunRecord& record) {
     s.las->finish(s.shots, s.without_return);
     const std::string what = fmt::format("returns, LAS 1.4 format {}, {}", s.las->format(), where);
     if (s.lidar.products.las) record.files.emplace_back("returns.las", what);
-    if (s.laz_file) s.compress(), record.files.emplace_back("returns.laz", what + ", compressed (LAZ)");
+    if (s.lidar.products.laz) s.compress(record, what);
     if (s.las_waveforms && !s.lidar.products.internal_waveforms)
       record.files.emplace_back("returns.wdp", "waveforms of the returns");
   }

@@ -32,6 +32,7 @@ void append_drawn(base::OutputFile& out, const std::string& path) {
   if (!in) throw base::Error(base::Fault::environment, out.final_path() + ": the script wrote nothing");
   char buffer[65536];
   for (std::size_t bytes; (bytes = std::fread(buffer, 1, sizeof buffer, in.get())) > 0;) out.append(buffer, bytes);
+  if (std::ferror(in.get())) throw base::Error(base::Fault::environment, path + " cannot be read");
 }
 
 void draw_into(const std::string& script, base::OutputFile& figures, base::OutputFile& picture) {

@@ -19,7 +19,7 @@ bool run_python(const std::string& python, const std::vector<std::string>& argum
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   pid_t child = 0;
-  const int failed = posix_spawn(&child, python.c_str(), nullptr, nullptr, words.data(), environ);
+  const int failed = posix_spawnp(&child, python.c_str(), nullptr, nullptr, words.data(), environ);
   if (failed)
     throw base::Error(base::Fault::environment,
                       python + " could not be started (" + std::strerror(failed) + "); " + needed);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <future>
 #include <nlohmann/json.hpp>
@@ -107,10 +108,9 @@ nlohmann::json turbulence_json(const scene::Lidar& lidar, const lidar::Turbulenc
 }
 
 std::string main_file(const scene::Lidar& lidar, const std::string& folder) {
-  return folder + (lidar.products.las    ? "/returns.las"
-                   : lidar.products.laz  ? "/returns.laz"
-                   : lidar.products.cube ? "/waveforms.img"
-                                         : "/run.json");
+  for (const char* name : {"/returns.las", "/returns.laz"})
+    if ((lidar.products.las || lidar.products.laz) && std::filesystem::exists(folder + name)) return folder + name;
+  return folder + (lidar.products.cube ? "/waveforms.img" : "/run.json");
 }
 
 /// What turbulence needs to know of a shot's way: the ground below it, and the range of the surface that its
@@ -406,7 +406,10 @@ LidarRun render_lidar(const scene::Simulation& simulation, const scene::Lidar& l
     services.log.warning(warning);
   }
   add_error(renderer, job, record, services);
+  const std::size_t told = record.warnings.size();
   output.publish(record);
+  for (std::size_t i = told; i < record.warnings.size(); ++i)
+    services.log.warning(lidar.name + ": " + record.warnings[i]);
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
   services.log.info(
       fmt::format("{}: {} pulses, {} returns, {:.3g} expected of surfaces and volumes, {:.1f} s, {:.3g} pulses/s, "

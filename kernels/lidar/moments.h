@@ -19,6 +19,9 @@ typedef struct Moments {
   uint waiting;
 } RC_LINE Moments;
 
+/* Of a cell: neighbours in a bin and bins one after the other both have slots of their own. */
+static inline uint rc_slot_of(uint cell) { return (cell ^ cell >> 4) % RC_MOMENT_SLOTS; }
+
 static inline void rc_clear_moments(Moments* kept) {
   for (uint slot = 0; slot < RC_MOMENT_SLOTS; ++slot) kept->cell[slot] = RC_NONE;
   kept->waiting = 0;
@@ -52,7 +55,7 @@ static inline void rc_sort_word(const LidarTables* t, Moments* kept, uint word, 
   const float16 y = rc_load16(0, kept->waiting_y[word]), energy = rc_load16(0, kept->waiting_energy[word]);
   uint lanes = rc_mask16(cell != RC_NONE);
   while (lanes) {
-    const uint here = kept->waiting_cell[word][rc_lowest(lanes)], slot = here % RC_MOMENT_SLOTS;
+    const uint here = kept->waiting_cell[word][rc_lowest(lanes)], slot = rc_slot_of(here);
     const int16 same = cell == here;
     lanes &= ~rc_mask16(same);
     float16 moment = select((float16)(0.0f), energy, same);

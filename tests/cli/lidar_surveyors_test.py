@@ -149,7 +149,23 @@ def packed_points(work):
         program.refused(
             "render", file, "-o", work / "none", status=status, says=wanted, env={"RAYCUBE_PYTHON": "/bin/false"}
         )
-        check(not any((work / "none").rglob("returns*")), "something was written")
+        check(not (work / "none").exists(), "something was written")
+    # A Python that has both by its word, and compresses nothing: the run is whole all the same.
+    python = work / "python"
+    python.write_text('#!/bin/sh\n[ "$1" = -c ]\n')
+    python.chmod(0o755)
+    for las in (True, False):
+        products = "laz = true\nwaveforms = false" + ("" if las else "\nlas = false")
+        file.write_text(text.replace("waveforms = false", products))
+        done = program.run("render", file, "-o", work / f"kept{las}", env={"RAYCUBE_PYTHON": str(python)})
+        check("no returns.laz: " in done.stderr, done.stderr)
+        for folder in (work / f"kept{las}").iterdir():
+            names = {path.name for path in folder.iterdir()}
+            check("returns.las" in names and "returns.laz" not in names, names)
+            check(not any(name.startswith(".") for name in names), names)
+            check(Las(folder / "returns.las").count > 0)
+            warnings = json.loads((folder / "run.json").read_text())["warnings"]
+            check(any(warning.startswith("no returns.laz: ") for warning in warnings), warnings)
 
 
 with tempfile.TemporaryDirectory() as name:
