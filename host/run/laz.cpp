@@ -40,12 +40,14 @@ bool has_laz(const std::string& python) {
 }  // namespace
 
 std::string laz_python() {
+  static std::string found;  // starting one takes a quarter of a second: asked for before a run and by its products
+  if (!found.empty()) return found;
   if (const std::string script = script_path(kScript); !std::filesystem::exists(script))
     throw base::Error(base::Fault::environment,
                       script + " is missing; install the program whole, or correct RAYCUBE_DATA");
   std::string tried;
   for (const std::string& python : candidates()) {
-    if (has_laz(python)) return python;
+    if (has_laz(python)) return found = python;
     tried += (tried.empty() ? "" : ", ") + python;
   }
   throw base::Error(base::Fault::environment, "no laspy with lazrs (looked in " + tried + "); " + kLazNeeds);
