@@ -73,7 +73,7 @@ struct AnyHitRig::State {
   State(const scene::CompiledScene& scene, const ShadowRays& shadows, const std::vector<RayResult>& hits, int threads)
       : context(pick_device(threads)),
         buffers(context, scene),
-        program(context, "any_hits", std::string(kernels::kernel_source("trace")) + kAnyHits,
+        program(context, "any_hits", std::string(kernels::kernel_source("trace_light")) + kAnyHits,
                 "-cl-std=CL1.2 -D RC_STACK=" + std::to_string(scene.stack_bound()) + buffers.options),
         kernel(program, "any_hits"),
         rays(context, side_by_side(shadows), cl::Access::read_only, "rays of the bench"),
@@ -113,7 +113,7 @@ struct ClosestHitRig::State {
   State(const scene::CompiledScene& scene, const ShadowRays& own, int threads)
       : context(pick_device(threads)),
         buffers(context, scene),
-        program(context, "closest_hits", std::string(kernels::kernel_source("trace")) + kClosestHits,
+        program(context, "closest_hits", std::string(kernels::kernel_source("trace_primary")) + kClosestHits,
                 "-cl-std=CL1.2 -D RC_BOUNCES=1 -D RC_STACK=" + std::to_string(scene.stack_bound()) + buffers.options),
         kernel(program, "closest_hits"),
         rays(context, side_by_side(own), cl::Access::read_only, "rays of the bench"),

@@ -69,15 +69,25 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
 }
 
 ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound) {
-  ProgramOptions out{"-cl-std=CL1.2", "", "-cl-std=CL1.2"};
+  ProgramOptions out{"-cl-std=CL1.2", "-cl-std=CL1.2", "", "-cl-std=CL1.2"};
   const auto text = [](const char* name, auto value) {
     return " -D" + std::string(name) + "=" + std::to_string(value);
   };
   const auto both = [&](const char* name, int value) { out.trace += text(name, value), out.rows += text(name, value); };
+  const auto primary = [&](const char* name, int value) { out.primary += text(name, value); };
   const auto trace = [&](const char* name, int value) { out.trace += text(name, value); };
+  const auto rays = [&](const char* name, int value) { primary(name, value), trace(name, value); };
   const auto rows = [&](const char* name, int value) { out.rows += text(name, value); };
-  both("RC_CHUNK_SAMPLES", shape.chunk_samples);
+  // A grid is compiled in, since its bundles hang on it. Else samples are arguments, and any number of them runs in the
+  // program of whole words of 16.
+  const bool scatter = shape.sampler != scene::SamplerKind::grid || shape.support_px != 1;
+  both("RC_CHUNK_SAMPLES", RC_PADDED(shape.chunk_samples));
+  primary("RC_CHUNK_SAMPLES", scatter ? RC_PADDED(shape.chunk_samples) : shape.chunk_samples);
+  primary("RC_SCATTER", scatter);
+  if (!scatter) primary("RC_NU", shape.samples_u), primary("RC_NV", shape.samples_v);
+  if (scatter) out.primary += text("RC_SUPPORT", shape.support_px) + "f";
   both("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
+  primary("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
   both("RC_SKY_PLANES", shape.sky_planes());
   both("RC_COMPONENTS", shape.components);
   both("RC_THERMAL_COMPONENTS", shape.thermal_components);
@@ -88,13 +98,8 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   if (shape.matter.glossy) both("RC_GLOSSY", 1);
   if (shape.matter.further > 0) both("RC_FURTHER", shape.matter.further);
   if (shape.matter.further_records > 0) both("RC_FURTHER_RECORDS", shape.matter.further_records);
-  trace("RC_NU", shape.samples_u);
-  trace("RC_NV", shape.samples_v);
-  trace("RC_SAMPLER", static_cast<int>(shape.sampler));
-  out.trace += text("RC_SUPPORT", shape.support_px) + "f";
-  trace("RC_SCATTER", shape.sampler != scene::SamplerKind::grid || shape.support_px != 1);
-  trace("RC_STACK", static_cast<int>(kernel_stack(stack_bound)));
-  trace("RC_MOVING", shape.moving);
+  rays("RC_STACK", static_cast<int>(kernel_stack(stack_bound)));
+  rays("RC_MOVING", shape.moving);
   if (shape.bounces) {
     out.paths = out.trace + text("RC_SKELETON", shape.skeleton_padded()) + text("RC_SUN", shape.sun) +
                 text("RC_MATERIALS", static_cast<int>(shape.matter.materials));

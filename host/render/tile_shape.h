@@ -81,9 +81,10 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
 
 /// Build options of a camera's programs.
 struct ProgramOptions {
-  std::string trace;  ///< of kernels/entry/trace.cl: rays to the first surface and from there to sun, sky and lamps
-  std::string paths;  ///< of kernels/entry/trace_bounce.cl: light between surfaces; empty where there is none
-  std::string rows;   ///< of kernels/entry/rows.cl: shading and what follows
+  std::string primary;  ///< of kernels/entry/trace_primary.cl: rays to the first surface
+  std::string trace;    ///< of kernels/entry/trace_light.cl: from there to sun, sky and lamps
+  std::string paths;    ///< of kernels/entry/trace_bounce.cl: light between surfaces; empty where there is none
+  std::string rows;     ///< of kernels/entry/rows.cl: shading and what follows
 };
 
 /// From one list, so that what one program writes the other reads; none has what its kernels do not, since every option

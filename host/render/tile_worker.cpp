@@ -108,8 +108,8 @@ void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced
   for (std::size_t p = 0; p < pixels; ++p)
     for (std::size_t s = first; s < end; ++s) {
       const std::uint32_t* at = hits.data() + p * traced.elements.hits + (s - first);
-      probe.hit_instance[p * samples + s] = at[RC_HIT_INSTANCE * traced.elements.padded];
-      probe.hit_primitive[p * samples + s] = at[RC_HIT_PRIMITIVE * traced.elements.padded];
+      probe.hit_instance[p * samples + s] = at[RC_HIT_INSTANCE * traced.elements.near];
+      probe.hit_primitive[p * samples + s] = at[RC_HIT_PRIMITIVE * traced.elements.near];
     }
 }
 

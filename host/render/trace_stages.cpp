@@ -138,13 +138,17 @@ struct TraceStages::State {
         shape(shape_),
         seed(static_cast<std::uint32_t>(seed_)),
         lowest(static_cast<float>(scene.lo[2])),
+        primary_options(program_options(shape_, scene.stack_bound()).primary + buffers_.options),
         options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
         path_options(program_options(shape_, scene.stack_bound()).paths + buffers_.options),
-        identity(identity_of("trace", options) + (shape_.bounces ? identity_of("trace_bounce", path_options) : "")),
-        surfaces_identity(
-            identity_of("trace", program_options(without_sky(shape_), scene.stack_bound()).trace + buffers_.options)),
-        program(context_.program("trace", kernels::kernel_source("trace"), options)),
-        primary(*program, "trace_primary"),
+        identity(identity_of("trace_primary", primary_options) + identity_of("trace_light", options) +
+                 (shape_.bounces ? identity_of("trace_bounce", path_options) : "")),
+        surfaces_identity(identity_of("trace_primary", primary_options) +
+                          identity_of("trace_light", program_options(without_sky(shape_), scene.stack_bound()).trace +
+                                                         buffers_.options)),
+        primary_program(context_.program("trace_primary", kernels::kernel_source("trace_primary"), primary_options)),
+        program(context_.program("trace_light", kernels::kernel_source("trace_light"), options)),
+        primary(*primary_program, "trace_primary"),
         surface(*program, "make_surface"),
         sun(*program, "trace_sun"),
         sky(*program, "trace_sky"),
@@ -156,6 +160,16 @@ struct TraceStages::State {
     if (shape.bounces) paths.emplace(context, path_options, plan, shape, std::move(weights_));
   }
 
+  /// How a pixel's samples lie, as kernels take it.
+  struct Sampling {
+    explicit Sampling(const StageShape& shape)
+        : sampler(static_cast<cl_uint>(shape.sampler)),
+          samples_u(static_cast<cl_uint>(shape.samples_u)),
+          samples_v(static_cast<cl_uint>(shape.samples_v)),
+          support(shape.support_px) {}
+    cl_uint sampler, samples_u, samples_v;
+    float support;
+  };
   cl_uint first_sample(int chunk) const { return static_cast<cl_uint>(chunk * shape.chunk_samples); }
   cl_uint sample_count(int chunk) const {
     return static_cast<cl_uint>(std::min(shape.chunk_samples, shape.samples - chunk * shape.chunk_samples));
@@ -167,6 +181,10 @@ struct TraceStages::State {
                                                    .instances = buffers.instances,
                                                    .groups = traced.groups,
                                                    .hits = traced.hits,
+                                                   .sampler = sampling.sampler,
+                                                   .samples_u = sampling.samples_u,
+                                                   .samples_v = sampling.samples_v,
+                                                   .sample_support = sampling.support,
                                                    .seed = seed,
                                                    .columns = layout.columns,
                                                    .first_sample = first_sample(chunk),
@@ -227,6 +245,10 @@ struct TraceStages::State {
                           .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
                           .sun_direction = sun_direction(),
                           .rays = static_cast<cl_uint>(plan.sky.rays),
+                          .sampler = sampling.sampler,
+                          .samples_u = sampling.samples_u,
+                          .samples_v = sampling.samples_v,
+                          .sample_support = sampling.support,
                           .seed = plan.sky.hash_seed(seed, sky_draw),
                           .columns = layout.columns,
                           .first_sample = first_sample(chunk),
@@ -246,6 +268,10 @@ struct TraceStages::State {
                                                 .lamps = lamp_tables.lamps,
                                                 .lamp_first = lamp_tables.first,
                                                 .lamp_distribution = lamp_tables.distribution,
+                                                .sampler = sampling.sampler,
+                                                .samples_u = sampling.samples_u,
+                                                .samples_v = sampling.samples_v,
+                                                .sample_support = sampling.support,
                                                 .seed = plan.sky.hash_seed(seed, sky_draw),
                                                 .columns = layout.columns,
                                                 .first_sample = first_sample(chunk),
@@ -295,6 +321,10 @@ struct TraceStages::State {
                              .sample_total = static_cast<float>(shape.samples),
                              .paths = static_cast<cl_uint>(plan.paths()),
                              .levels = static_cast<cl_uint>(plan.bounces.levels),
+                             .sampler = sampling.sampler,
+                             .samples_u = sampling.samples_u,
+                             .samples_v = sampling.samples_v,
+                             .sample_support = sampling.support,
                              .seed = plan.sky.hash_seed(seed, sky_draw),
                              .columns = layout.columns,
                              .first_sample = first_sample(chunk),
@@ -307,10 +337,11 @@ struct TraceStages::State {
   const SceneBuffers& buffers;
   const plan::Plan& plan;
   StageShape shape;
+  Sampling sampling{shape};
   std::uint32_t seed, sky_draw = 0;
   float lowest;  ///< z of the scene, m
-  std::string options, path_options, identity, surfaces_identity;
-  std::shared_ptr<const cl::Program> program;
+  std::string primary_options, options, path_options, identity, surfaces_identity;
+  std::shared_ptr<const cl::Program> primary_program, program;
   cl::Kernel primary, surface, sun, sky;
   SkyMapBuffers sky_map;
   LampBuffers lamp_tables;
@@ -336,8 +367,9 @@ std::string program_hash(const TraceStages& trace, const RowStages& rows) {
   return hash_of(trace.identity(), rows.identity());
 }
 std::vector<std::string> TraceStages::variants() const {
-  if (!state_->paths) return {state_->options};
-  return {state_->options, state_->path_options};
+  std::vector<std::string> out = {state_->primary_options, state_->options};
+  if (state_->paths) out.push_back(state_->path_options);
+  return out;
 }
 
 TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile,
@@ -369,6 +401,10 @@ void TraceStages::run_first_opaque(const TileLayout& layout, int chunk, const Tr
                                                             .groups = traced.groups,
                                                             .hits = traced.hits,
 
+                                                            .sampler = s.sampling.sampler,
+                                                            .samples_u = s.sampling.samples_u,
+                                                            .samples_v = s.sampling.samples_v,
+                                                            .sample_support = s.sampling.support,
                                                             .seed = s.seed,
                                                             .columns = layout.columns,
                                                             .first_sample = s.first_sample(chunk),
@@ -409,6 +445,10 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
                                                                   .hits = traced.hits,
                                                                   .surface = traced.surface,
                                                                   .lift = traced.lift,
+                                                                  .sampler = s.sampling.sampler,
+                                                                  .samples_u = s.sampling.samples_u,
+                                                                  .samples_v = s.sampling.samples_v,
+                                                                  .sample_support = s.sampling.support,
                                                                   .seed = s.seed,
                                                                   .columns = layout.columns,
                                                                   .first_sample = first_sample,

@@ -53,7 +53,7 @@ class TraceStages {
   const std::string& identity() const;
   /// SHA-256 of the same as it is where no ray goes to the sky: what primary and sun rays run.
   std::string program_hash() const;
-  /// Build options of the program of rays, then those of the program of paths where there are any.
+  /// Build options of the programs of rays to the first surface, of rays from there, and of paths where there are any.
   std::vector<std::string> variants() const;
 
  private:

@@ -21,21 +21,22 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
   RC_GATHER_INSTANCES(scene);
   const GroupPlace place = rc_group_place(groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
+  const Sampling sampling = RC_GATHER_SAMPLING();
   for (uint p = 0; p < place.used; ++p)
     for (uint word = 0; word < RC_NEAR_WORDS; ++word) {
       global const uint* in = hits + RC_HITS_AT(place.pixel + p) + word * 16u;
       global float* out = surface + RC_SURFACE_AT(place.pixel + p) + word * 16u;
       Gathered g;
       uint left = 0;
+      RC_LINE float a[16], b[16];
+      rc_group_samples(sampling, seed, place.number + p, p, first_sample + word * 16u, a, b);
       for (uint k = 0; k < 16u; ++k) {
-        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_PLANE(RC_HIT_PRIMITIVE) + k];
+        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k];
         global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
         left |= in[k] == RC_NONE ? 0u : 1u << k;
 #pragma unroll
         for (uint c = 0; c < 9u; ++c) g.corner[c][k] = at[16u * c];
-        float a, b;
-        rc_group_sample(seed, place.number + p, p, first_sample + word * 16u + k, &a, &b);
-        const float4 o = group.origin + rc_group_offset(group, a, b), d = rc_group_direction(group, a, b);
+        const float4 o = group.origin + rc_group_offset(group, a[k], b[k]), d = rc_group_direction(group, a[k], b[k]);
         g.origin[0][k] = o.x;
         g.origin[1][k] = o.y;
         g.origin[2][k] = o.z;

@@ -19,7 +19,7 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
   if (!fresh && row_count[item] == RC_ROW_OVERFLOW) return;
   const uint pixel = use_list ? pixel_list[item] : item; /* index in the tile's inputs; outputs go by item */
   const TracedPixel traced = {hits + RC_HITS_AT(pixel),
-                              hits + RC_HITS_AT(pixel) + RC_PLANE(RC_HIT_PRIMITIVE),
+                              hits + RC_HITS_AT(pixel) + RC_HIT_PLANE(RC_HIT_PRIMITIVE),
                               surface + RC_SURFACE_AT(pixel),
                               lift + RC_LIFT_AT(pixel),
                               sun + RC_SUN_AT(pixel),

@@ -28,7 +28,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
       sun_up,
       levels,
       seed RC_GATHER_ALBEDOS() RC_GATHER_LAMPS() RC_GATHER_LOG()};
-  const uint samples = RC_NU * RC_NV;
+  const uint samples = samples_u * samples_v;
   global float* out = glow + RC_GLOW_AT(place.pixel, 0u);
   global const float* group_in = surface + RC_SURFACE_AT(place.pixel);
   const SkyDensity cosine = {1.0f, 0.0f, 0.5f, 0.0f, 0.0f, 1.0f};
@@ -47,11 +47,11 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
     global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
     const uint number = place.number + p;
     for (uint part = 0; part < rc_sky_parts(samples, paths); ++part) {
-      const SkyPart share = rc_sky_shares(RC_SAMPLER, RC_NU, RC_NV, paths, seed, number, part);
+      const SkyPart share = rc_sky_shares((int)sampler, samples_u, samples_v, paths, seed, number, part);
       for (uint path = 0; path < share.rays; ++path) {
-        const uint sample = rc_sky_sample(share, RC_NU, samples, paths, seed, number, part, path) - first_sample;
+        const uint sample = rc_sky_sample(share, samples_u, samples, paths, seed, number, part, path) - first_sample;
         if (sample >= sample_count || ids[sample] == RC_NONE) continue;
-        const uint on = rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample]);
+        const uint on = rc_surface_of(scene, ids[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + sample]);
         const uint path_number = rc_sky_number(samples, paths, part, path), i = first.count;
         const float near = scattering[on].x, gloss = RC_GLOSSY ? scattering[on].z : 0.0f;
         const float draw = rc_path_draw(&tables, number, path_number, 0u, 0u);

@@ -28,7 +28,7 @@ RC_BODY trace_lamps_body(uint index, RC_PARAMETERS(RC_TRACE_LAMPS_ARGUMENTS)) {
       if (!(dot(normal, normal) > 0.0f)) continue;
       const float4 from = (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
       const float4 point = from - lift[RC_LIFT_AT(place.pixel + p) + slot] * normal; /* on the surface itself */
-      const uint number = rc_lamp_number(RC_SAMPLER, RC_NU, RC_NV, first_sample + sample);
+      const uint number = rc_lamp_number((int)sampler, samples_u, samples_v, first_sample + sample);
       for (uint source = 0; source < RC_LAMPS; ++source) {
         float u, v, w;
         rc_lamp_draws(seed, place.number + p, source, RC_SIDE_OF(slot), number, &u, &v, &w);

@@ -85,7 +85,7 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
   const SkyMap map = {sky_map,     sky_zenith,     sky_azimuth,     zeniths,    azimuths,
                       thermal_map, thermal_zenith, thermal_zeniths, sun_azimuth};
   const SkyDensity law = {density.x, density.y, density.z, sun_direction.x, sun_direction.y, sun_direction.z};
-  const uint samples = RC_NU * RC_NV;
+  const uint samples = samples_u * samples_v;
   global const float* group_in = surface + RC_SURFACE_AT(place.pixel);
   global float* group_out = met_sky + RC_MET_SKY_AT(place.pixel);
   Waiting16 waiting;
@@ -97,11 +97,11 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
     const uint number = place.number + p;
     for (uint word = 0; word < RC_SKY_PLANES * RC_WORDS; ++word) rc_store16((float16)(0.0f), word, out);
     for (uint part = 0; part < rc_sky_parts(samples, rays); ++part) {
-      const SkyPart share = rc_sky_shares(RC_SAMPLER, RC_NU, RC_NV, rays, seed, number, part);
+      const SkyPart share = rc_sky_shares((int)sampler, samples_u, samples_v, rays, seed, number, part);
       for (uint ray = 0; ray < share.rays; ++ray) {
-        const uint sample = rc_sky_sample(share, RC_NU, samples, rays, seed, number, part, ray) - first_sample;
+        const uint sample = rc_sky_sample(share, samples_u, samples, rays, seed, number, part, ray) - first_sample;
         if (sample >= sample_count || ids[sample] == RC_NONE) continue;
-        const float granted = open_share[rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample])];
+        const float granted = open_share[rc_surface_of(scene, ids[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + sample])];
         for (uint slot = sample; slot < RC_OWN_SIDES * RC_NEAR_SAMPLES; slot += RC_NEAR_SAMPLES) {
           global const float* at = in + slot;
           const bool gloss = RC_SIDE_OF(slot) == RC_GLOSS_SIDE;

@@ -20,9 +20,9 @@
 #define RC_SMALL 3
 #define RC_SLOTS (16 * RC_TILE_COLUMNS * RC_TILE_ROWS)
 #else
-/* Samples anywhere in the field: pixel p's sample k has slot p * RC_PADDED_SAMPLES + k; words of 16 carry their
+/* Samples anywhere in the field: pixel p's sample k has slot p * RC_NEAR_SAMPLES + k; words of 16 carry their
  * bounds. */
-#define RC_SLOTS (RC_PIXELS_PER_GROUP * RC_PADDED_SAMPLES)
+#define RC_SLOTS (RC_PIXELS_PER_GROUP * RC_NEAR_SAMPLES)
 #define RC_SAMPLE_WORDS (RC_SLOTS / 16)
 #define RC_BOUND_SLOTS ((RC_SAMPLE_WORDS + 15) / 16 * 16)
 typedef struct Scatter {
@@ -197,7 +197,8 @@ static inline uint rc_slot(uint row, uint column) {
 static inline uint rc_open_slot(uint sample) { return rc_slot(sample >> 16, sample & 0xffffu); }
 static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
   const uint row = sample >> 16, column = sample & 0xffffu, p = column / RC_NU;
-  rc_group_sample(0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, a, b);
+  const Sampling grid = {RC_SAMPLER_GRID, RC_NU, RC_NV, 1.0f};
+  rc_group_sample(grid, 0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, a, b);
 }
 #endif
 

@@ -214,7 +214,7 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
  * */
 static inline void rc_write_pixels(const float* near, const uint* tiles, uint used, uint rows, global uint* out,
                                    size_t stride) {
-  RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_PIXELS_PER_GROUP * RC_PADDED_SAMPLES + 16];
+  RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_PIXELS_PER_GROUP * RC_NEAR_SAMPLES + 16];
   for (uint tile = 0; tile < RC_TILE_ROWS * RC_TILE_COLUMNS; tile += 4u) {
     uint16 t[4];
 #pragma unroll
@@ -230,12 +230,12 @@ static inline void rc_write_pixels(const float* near, const uint* tiles, uint us
     for (uint row = 0; row < rows; ++row)
       for (uint i = 0; i < RC_NU; i += 16u)
         rc_store16(rc_load16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0,
-                   slots + p * RC_PADDED_SAMPLES + row * RC_NU + i);
-    for (uint k = rows * RC_NU; k < RC_PADDED_SAMPLES; ++k) slots[p * RC_PADDED_SAMPLES + k] = RC_NONE;
+                   slots + p * RC_NEAR_SAMPLES + row * RC_NU + i);
+    for (uint k = rows * RC_NU; k < RC_NEAR_SAMPLES; ++k) slots[p * RC_NEAR_SAMPLES + k] = RC_NONE;
   }
   for (uint p = 0; p < used; ++p)
-    for (uint word = 0; word < RC_WORDS; ++word)
-      rc_store16(rc_load16(p * RC_WORDS + word, slots), word, out + p * stride);
+    for (uint word = 0; word < RC_NEAR_WORDS; ++word)
+      rc_store16(rc_load16(p * RC_NEAR_WORDS + word, slots), word, out + p * stride);
 }
 
 #endif

@@ -150,13 +150,17 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
 }
 
 /* Positions of samples first .. first + count - 1 of the group's pixels, and the bounds of their words. */
-static inline void rc_scatter_samples(Scatter* samples, uint seed, GroupPlace place, uint first, uint count) {
+static inline void rc_scatter_samples(Scatter* samples, Sampling sampling, uint seed, GroupPlace place, uint first,
+                                      uint count) {
   for (uint p = 0; p < RC_PIXELS_PER_GROUP; ++p)
-    for (uint k = 0; k < RC_PADDED_SAMPLES; ++k) {
-      float a = INFINITY, b = INFINITY;
-      if (p < place.used && k < count) rc_group_sample(seed, place.number + p, p, first + k, &a, &b);
-      samples->a[p * RC_PADDED_SAMPLES + k] = a;
-      samples->b[p * RC_PADDED_SAMPLES + k] = b;
+    for (uint k = 0; k < RC_NEAR_SAMPLES; k += 16u) {
+      float a[16], b[16];
+      rc_group_samples(sampling, seed, place.number + p, p, first + k, a, b);
+      for (uint i = 0; i < 16u; ++i) {
+        const bool exists = p < place.used && k + i < count;
+        samples->a[p * RC_NEAR_SAMPLES + k + i] = exists ? a[i] : INFINITY;
+        samples->b[p * RC_NEAR_SAMPLES + k + i] = exists ? b[i] : INFINITY;
+      }
     }
   for (uint word = 0; word < RC_BOUND_SLOTS; ++word) {
     float lo_a = INFINITY, hi_a = -INFINITY, lo_b = INFINITY, hi_b = -INFINITY;

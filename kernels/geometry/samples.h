@@ -30,12 +30,38 @@ static inline RayGroup rc_group_rays(global const RayGroup* groups, uint group) 
   return rays;
 }
 
+/* How a pixel's samples lie (kernels/sampling/sampler.h): of all kernels but trace_primary's grid, which is made for
+ * one, an argument, so that another number of samples is no other program. */
+typedef struct Sampling {
+  int kind; /* RC_SAMPLER_* */
+  uint nu, nv;
+  float support; /* pixels */
+} Sampling;
+#define RC_GATHER_SAMPLING() \
+  { (int)sampler, samples_u, samples_v, sample_support }
+
 /* (a, b) of sample s of the group's pixel p, whose number in the image is `number`. */
-static inline void rc_group_sample(uint seed, uint number, uint p, uint s, float* a, float* b) {
+static inline void rc_group_sample(Sampling of, uint seed, uint number, uint p, uint s, float* a, float* b) {
   float u, v;
-  rc_sample_uv(RC_SAMPLER, RC_NU, RC_NV, RC_SUPPORT, seed, number, (int)s, &u, &v);
+  rc_sample_uv(of.kind, (int)of.nu, (int)of.nv, of.support, seed, number, (int)s, &u, &v);
   *a = ((float)p - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1)) + u;
   *b = v;
+}
+
+/* The same of samples s to s + 15; a lattice is moved once for all of them. */
+static inline void rc_group_samples(Sampling of, uint seed, uint number, uint p, uint s, float* a, float* b) {
+  const float left = (float)p - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1);
+  if (of.kind != RC_SAMPLER_LATTICE) {
+    for (uint k = 0; k < 16u; ++k) rc_group_sample(of, seed, number, p, s + k, a + k, b + k);
+    return;
+  }
+  const LatticeShift shift = rc_lattice_shift(seed, number);
+  for (uint k = 0; k < 16u; ++k) {
+    float x, y;
+    rc_lattice_xy((int)(of.nu * of.nv), shift, (int)(s + k), &x, &y);
+    a[k] = left + (x - 0.5f) * of.support;
+    b[k] = (y - 0.5f) * of.support;
+  }
 }
 
 static inline float4 rc_group_direction(RayGroup g, float a, float b) {

@@ -7,14 +7,15 @@
  *                                                   |-> trace_sky -> met sky -> trace_lamps -> met sky
  *                                                   \-> trace_bounce -> glow
  *
- * Build options (one set for all, but that of the last line; a -D that is missing here has the default below):
- *   RC_NU, RC_NV        samples of a pixel along and across the line (whole pixel, not the chunk)
- *   RC_CHUNK_SAMPLES    most samples that one launch handles per pixel; default RC_NU * RC_NV. Smaller for big pixels;
- *                       with the grid sampler a multiple of RC_NU, so that a chunk is whole rows.
- *   RC_SAMPLER          0 grid, 1 lattice, 2 jittered (kernels/sampling/sampler.h)
- *   RC_SUPPORT          width of the square the samples cover, pixels, as a float literal (1.0f)
- *   RC_SCATTER          1: samples anywhere in the field; 0: the plain grid with RC_SUPPORT 1.0f, which is faster. Give
- *                       it with RC_SUPPORT: a support alone takes 1, which is right for all
+ * Build options (a program is given those that it reads, host/render/tile_shape.cpp; a -D that is missing here has the
+ * default below):
+ *   RC_CHUNK_SAMPLES    most samples that one launch handles per pixel, or more; smaller than a pixel's for big pixels.
+ *                       Of trace_primary's grid those of the chunk, a multiple of RC_NU, so that a chunk is whole rows;
+ *                       default RC_NU * RC_NV
+ *   RC_SCATTER          of trace_primary, as the next three: 1: samples anywhere in the field; 0: the plain grid over
+ *                       one pixel, which is faster
+ *   RC_NU, RC_NV        with the grid: samples of a pixel along and across the line (whole pixel, not the chunk)
+ *   RC_SUPPORT          else: width of the square the samples cover, pixels, as a float literal
  *   RC_PIXELS_PER_GROUP pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
  *   RC_SKY_PLANES       planes of met sky, a multiple of 4
  *   RC_COMPONENTS, RC_THERMAL_COMPONENTS  of the sky, the solar ones first; of them the thermal ones, surroundings last
@@ -72,17 +73,8 @@
 #ifndef RC_CHUNK_SAMPLES
 #define RC_CHUNK_SAMPLES (RC_NU * RC_NV)
 #endif
-#ifndef RC_SAMPLER
-#define RC_SAMPLER RC_SAMPLER_GRID
-#endif
-/* Samples off the plain grid. A float is no matter for #if, so a support given without RC_SCATTER takes the general
- * form. */
 #ifndef RC_SCATTER
-#ifdef RC_SUPPORT
-#define RC_SCATTER 1
-#else
-#define RC_SCATTER (RC_SAMPLER != RC_SAMPLER_GRID)
-#endif
+#define RC_SCATTER 0
 #endif
 #ifndef RC_SUPPORT
 #define RC_SUPPORT 1.0f

@@ -21,7 +21,7 @@ static inline void rc_store_shapes(SceneArrays scene, global const uint* in, Vec
   rc_store_viewer(direction, out);
   for (uint k = 0; k < 16u; ++k) {
     uint at = 0u;
-    if (in[k] != RC_NONE) at = 1u + rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
+    if (in[k] != RC_NONE) at = 1u + rc_surface_of(scene, in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
     out[RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
   }
 }
@@ -38,7 +38,7 @@ static inline void rc_store_gloss(SceneArrays scene, global const Lobe* lobes, g
   for (uint k = 0; k < 16u; ++k) {
     uint at = 0u;
     if (in[k] != RC_NONE) {
-      const uint first = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
+      const uint first = rc_surface_of(scene, in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
       for (uint i = 1; i < RC_LOBE_BEHIND; ++i)
         if (lobes[first + i].share > 0.0f) at = 1u + first + i, glossy |= 1u << k;
     }
@@ -63,7 +63,8 @@ static inline void rc_store_further(SceneArrays scene, global const Lobe* lobes,
     for (uint k = 0; k < 16u; ++k) {
       uint at = 0u;
       if (in[k] != RC_NONE) {
-        const uint lobe = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE + RC_LOBES + number;
+        const uint lobe =
+            rc_surface_of(scene, in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE + RC_LOBES + number;
         if (lobes[lobe].share > 0.0f) at = 1u + lobe, has |= 1u << k;
       }
       out[slot + RC_PLANE(RC_LOBE_AT) + k] = as_float(at);

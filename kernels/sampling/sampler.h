@@ -40,6 +40,25 @@ RC_INLINE rc_u32 rc_hash(rc_u32 seed, rc_u32 pixel, rc_u32 sample, rc_u32 dimens
 /* Uniform in [0, 1): 24 bits, exact in float. */
 RC_INLINE float rc_unit_float(rc_u32 bits) { return (float)(bits >> 8) * 5.9604644775390625e-8f; }
 
+/* How far a pixel's lattice is moved, in its own widths, 0 .. 1 each way. */
+typedef struct LatticeShift {
+  float x, y;
+} LatticeShift;
+RC_INLINE LatticeShift rc_lattice_shift(rc_u32 seed, rc_u32 pixel) {
+  LatticeShift out;
+  out.x = rc_unit_float(rc_hash(seed, pixel, 0u, 11u));
+  out.y = rc_unit_float(rc_hash(seed, pixel, 1u, 11u));
+  return out;
+}
+/* Sample s of n of a lattice, in its own widths, 0 .. 1 each way. */
+RC_INLINE void rc_lattice_xy(int n, LatticeShift shift, int s, float* x, float* y) {
+  const int wrapped = s + (int)((1.0f - shift.x) * (float)n + 0.5f), k = wrapped < n ? wrapped : wrapped - n;
+  *x = ((float)k + 0.5f) / (float)n + shift.x;
+  *y = rc_unit_float((rc_u32)k * 2654435769u) + shift.y;
+  *x = *x >= 1.0f ? *x - 1.0f : *x;
+  *y = *y >= 1.0f ? *y - 1.0f : *y;
+}
+
 /* Position of sample s of nu * nv, over a square of `support` pixels. pixel = line * pixels_per_line + sample index.
  *   grid:     cell centres, row by row (u fastest)
  *   jittered: a random point in each cell
@@ -49,13 +68,7 @@ RC_INLINE void rc_sample_uv(int kind, int nu, int nv, float support, rc_u32 seed
                             float* v) {
   float x, y;
   if (kind == RC_SAMPLER_LATTICE) {
-    const float shift = rc_unit_float(rc_hash(seed, pixel, 0u, 11u));
-    const int n = nu * nv, wrapped = s + (int)((1.0f - shift) * (float)n + 0.5f),
-              k = wrapped < n ? wrapped : wrapped - n;
-    x = ((float)k + 0.5f) / (float)n + shift;
-    y = rc_unit_float((rc_u32)k * 2654435769u) + rc_unit_float(rc_hash(seed, pixel, 1u, 11u));
-    x = x >= 1.0f ? x - 1.0f : x;
-    y = y >= 1.0f ? y - 1.0f : y;
+    rc_lattice_xy(nu * nv, rc_lattice_shift(seed, pixel), s, &x, &y);
   } else {
     const int j = s / nu, i = s - j * nu;
     const float ju = kind == RC_SAMPLER_JITTERED ? rc_unit_float(rc_hash(seed, pixel, (rc_u32)s, 12u)) : 0.5f;

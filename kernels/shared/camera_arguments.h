@@ -5,12 +5,20 @@
 #include "kernels/shared/arguments.h"
 
 /* clang-format off */
+/* How a pixel's samples lie: kernels/sampling/sampler.h. */
+#define RC_SAMPLING_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(rc_uint, sampler) NEXT()      /* RC_SAMPLER_* */ \
+  VALUE(rc_uint, samples_u) NEXT()    /* along the line */ \
+  VALUE(rc_uint, samples_v) NEXT()    /* across it */ \
+  VALUE(rc_float, sample_support)     /* width of the square that they cover, pixels */
+
 #define RC_TRACE_PRIMARY_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
   READ(RayGroup, groups) NEXT() \
   WRITE(rc_uint, hits) NEXT() \
+  RC_SAMPLING_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_uint, seed) NEXT()         /* low 32 bits of Simulation::seed */ \
   VALUE(rc_uint, columns) NEXT()      /* pixels of a line of the tile */ \
   VALUE(rc_uint, first_sample) NEXT() \
@@ -24,6 +32,7 @@
   READ(rc_uint, hits) NEXT() \
   WRITE(rc_float, surface) NEXT() \
   WRITE(rc_float, lift) NEXT() \
+  RC_SAMPLING_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \
@@ -75,6 +84,7 @@
   VALUE(rc_float4, density) NEXT()    /* x cosine, y sun, z g of SkyDensity */ \
   VALUE(rc_float4, sun_direction) NEXT() \
   VALUE(rc_uint, rays) NEXT()         /* of a pixel */ \
+  RC_SAMPLING_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \
@@ -93,6 +103,7 @@
   READ(Lamp, lamps) NEXT()            /* by source */ \
   READ(rc_uint, lamp_first) NEXT()    /* of each source, and the end */ \
   READ(rc_float, lamp_distribution) NEXT() /* of each lamp: vertical angles, horizontal angles, values by both */ \
+  RC_SAMPLING_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \
@@ -127,6 +138,7 @@
   VALUE(rc_float, sample_total) NEXT() /* samples of a pixel, all chunks */ \
   VALUE(rc_uint, paths) NEXT()        /* of a pixel */ \
   VALUE(rc_uint, levels) NEXT()       /* surfaces after the first; 0: no path is followed */ \
+  RC_SAMPLING_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \
@@ -141,6 +153,7 @@
   READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE] */ \
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
+  RC_SAMPLING_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample) NEXT() \

@@ -5,12 +5,13 @@
  * sample of a pixel in RC_PADDED_SAMPLES slots, whole words of 16: sample s lies in slot s - first_sample. Where matter
  * lets light through (RC_THROUGH), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface
  * that the viewer does not see: the same hit and weight, the point beyond the surface, the normal turned round; zero,
- * as where nothing was hit, on surfaces that are opaque, and RC_NONE in the hits, which are the near side's. Where
+ * as where nothing was hit, on surfaces that are opaque. Hits have slots of the near side alone. Where
  * matter is glossy (RC_GLOSSY), it has one more, for what comes by its gloss: the near side's point and
  * normal, zero on surfaces without, and the gloss as the shape. Where shapes change with wavelength, each further lobe
  * (RC_FURTHER) has a slot after them, likewise with its own shape. Pixel i of a tile is (line in the tile) * columns +
  * (column in the tile). By pixel, one after the other:
- *   hits      uint    [RC_HIT_PLANES][padded]    planes RC_HIT_*; RC_NONE in both where nothing was hit
+ *   hits      uint    [RC_HIT_PLANES][near slots]  planes RC_HIT_*, RC_HIT_PLANE apart; RC_NONE in both where nothing
+ *                                               was hit
  *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was
  *                                               hit; then those of shapes
  *   lift      float   [padded]                   m, how far along its normal the point was moved
@@ -183,8 +184,8 @@
 #define RC_LIT (RC_SUN + RC_COMPONENTS + RC_LAMPS)
 #define RC_SOURCES (RC_LIT + RC_TEMPERATURES)
 #define RC_ACCUMULATORS RC_ROW_ACCUMULATORS(RC_SOURCES, RC_HEIGHTS)
-/* A pixel's first element in each buffer; planes begin RC_PLANE further. */
-#define RC_HITS_AT(pixel) ((size_t)(pixel) * (RC_HIT_PLANES * RC_PADDED_SAMPLES))
+/* A pixel's first element in each buffer; planes begin RC_PLANE further, those of hits RC_HIT_PLANE. */
+#define RC_HITS_AT(pixel) ((size_t)(pixel) * (RC_HIT_PLANES * RC_NEAR_SAMPLES))
 #define RC_SURFACE_AT(pixel) ((size_t)(pixel) * (RC_POINT_PLANES * RC_PADDED_SAMPLES))
 #define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
@@ -192,6 +193,7 @@
 #define RC_GLOW_AT(pixel, part) (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_GLOW_WIDTH) /* a part's first element */
 #define RC_FIRST_OPAQUE_AT(pixel) ((size_t)(pixel)*RC_NEAR_SAMPLES)
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
+#define RC_HIT_PLANE(plane) ((plane)*RC_NEAR_SAMPLES)
 /* An item's first element, and a key's sums from there. */
 #define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
 #define RC_SUMS_OF_KEY(key) ((size_t)(key) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
@@ -210,7 +212,7 @@ struct TileElements {
       : near(RC_PADDED(chunk_samples)),
         padded(sides * near),
         words(padded / RC_WORD),
-        hits(RC_HIT_PLANES * padded),
+        hits(RC_HIT_PLANES * near),
         surface(RC_POINT_PLANES_OF(shaped) * padded),
         lift(padded),
         sun(words),

@@ -60,7 +60,7 @@ kernel void read_all(RC_NODES, RC_BLOCKS, RC_INSTANCES, RC_SURFACES, global BvhN
 /// What kernels read at every index of every array.
 scene::CompiledScene read_on_device(const scene::CompiledScene& scene, std::size_t page_bytes) {
   const render::SceneBuffers buffers(first_context(), scene, page_bytes);
-  const cl::Program program(first_context(), "read_all", std::string(kernels::kernel_source("trace")) + kReadAll,
+  const cl::Program program(first_context(), "read_all", std::string(kernels::kernel_source("trace_light")) + kReadAll,
                             "-cl-std=CL1.2" + buffers.options);
   cl::Kernel kernel(program, "read_all");
   cl::Buffer<shared::BvhNode> nodes(first_context(), scene.nodes.size(), cl::Access::write_only, "nodes read");

@@ -73,8 +73,8 @@ std::vector<AnyAnswers> any_hits(const cl::Context& context, const scene::Compil
   for (const std::vector<float>* part : {&rays.x, &rays.y, &rays.z, &rays.dx, &rays.dy, &rays.dz})
     all.insert(all.end(), part->begin(), part->end());
   const render::SceneBuffers buffers(context, scene);
-  const cl::Program program(context, "any_hits", std::string(kernels::kernel_source("trace")) + kAnyHits,
-                            trace_options(TraceShape{}, scene) + buffers.options);
+  const cl::Program program(context, "any_hits", std::string(kernels::kernel_source("trace_light")) + kAnyHits,
+                            trace_options(TraceShape{}, scene, "trace_light") + buffers.options);
   cl::Kernel kernel(program, "any_hits");
   const cl::Buffer<std::uint32_t> ranges(context, block_ranges(scene), cl::Access::read_only, "blocks of instances");
   const cl::Buffer<float> sent(context, all, cl::Access::read_only, "rays");

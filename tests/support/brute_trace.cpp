@@ -31,23 +31,25 @@ static Hit brute(global const TriBlock* blocks, global const Instance* instances
 
 kernel void brute_primary(global const TriBlock* blocks, global const Instance* instances,
                           global const uint* ranges, uint count,
-                          global const RayGroup* groups, global uint* hits, uint seed, uint columns) {
+                          global const RayGroup* groups, global uint* hits, uint sampler, uint samples_u,
+                          uint samples_v, float sample_support, uint seed, uint columns) {
+  const Sampling sampling = RC_GATHER_SAMPLING();
   const uint index = get_global_id(0);
   const GroupPlace place = rc_group_place(groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + RC_HITS_AT(place.pixel + p);
-    for (uint k = 0; k < RC_PADDED_SAMPLES; ++k) {
+    for (uint k = 0; k < RC_NEAR_SAMPLES; ++k) {
       Hit hit;
       hit.instance = hit.primitive = RC_NONE;
-      if (k < RC_NU * RC_NV) {
+      if (k < samples_u * samples_v) {
         float a, b;
-        rc_group_sample(seed, place.number + p, p, k, &a, &b);
+        rc_group_sample(sampling, seed, place.number + p, p, k, &a, &b);
         hit = brute(blocks, instances, ranges, count, group.origin, rc_group_offset(group, a, b),
                     rc_group_direction(group, a, b));
       }
       out[k] = hit.instance;
-      out[RC_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;
+      out[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;
     }
   }
 }
@@ -88,8 +90,8 @@ BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& s
     : context_(context),
       shape_(shape),
       count_(static_cast<std::uint32_t>(scene.instances.size())),
-      program_(context, "brute", std::string(kernels::kernel_source("trace")) + kBruteSource,
-               trace_options(shape, scene)),
+      program_(context, "brute", std::string(kernels::kernel_source("trace_primary")) + kBruteSource,
+               trace_options(shape, scene, "trace_primary")),
       primary_(program_, "brute_primary"),
       sun_(program_, "brute_sun"),
       blocks_(context, scene.blocks, cl::Access::read_only, "triangle blocks"),
@@ -102,7 +104,9 @@ BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& s
 
 std::vector<std::uint32_t> BruteTrace::primary(std::span<const shared::RayGroup> groups) {
   groups_.write(numbered(groups, shape_));
-  primary_.arguments(blocks_, instances_, ranges_, count_, groups_, hits_, shape_.seed, shape_.columns);
+  primary_.arguments(blocks_, instances_, ranges_, count_, groups_, hits_, static_cast<std::uint32_t>(shape_.sampler),
+                     static_cast<std::uint32_t>(shape_.nu), static_cast<std::uint32_t>(shape_.nv), shape_.support,
+                     shape_.seed, shape_.columns);
   context_.launch(primary_, shape_.groups());
   context_.finish();
   return hits_.read_all();

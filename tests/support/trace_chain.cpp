@@ -12,7 +12,7 @@
 
 namespace raycube::test {
 
-std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene) {
+std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene, const std::string& kernel) {
   render::StageShape shape;
   shape.samples_u = s.nu, shape.samples_v = s.nv, shape.samples = s.nu * s.nv;
   shape.sampler = static_cast<scene::SamplerKind>(s.sampler);
@@ -21,8 +21,9 @@ std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene
   shape.chunk_samples = static_cast<int>(s.chunk_samples());
   shape.pixels_per_group = s.pixels_per_group;
   shape.components = s.components, shape.thermal_components = s.thermal_components;
-  std::string options =
-      render::program_options(shape, scene.stack_bound()).trace + " -Werror -DRC_BUNDLE=" + std::to_string(s.bundle);
+  const render::ProgramOptions programs = render::program_options(shape, scene.stack_bound());
+  std::string options = (kernel == "trace_primary" ? programs.primary : programs.trace) +
+                        " -Werror -DRC_BUNDLE=" + std::to_string(s.bundle);
   if (s.visits > 0) options += " -DRC_PRIMARY_BUDGET(rays)=" + std::to_string(s.visits) + "u";
   return options;
 }
@@ -104,7 +105,8 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
     : context_(context),
       shape_(shape),
       scene_(context, scene, shape.page_bytes),
-      options_(trace_options(shape, scene) + scene_.options),
+      primary_options_(trace_options(shape, scene, "trace_primary") + scene_.options),
+      options_(trace_options(shape, scene, "trace_light") + scene_.options),
       groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
       hits_(context, shape.pixels() * shape.elements().hits, cl::Access::read_write, "hits"),
       surface_(context, shape.pixels() * shape.elements().surface, cl::Access::read_write, "surface points"),
@@ -117,7 +119,8 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
 cl::Kernel& TraceChain::kernel(const std::string& name) {
   for (auto& [known, kernel] : kernels_)
     if (known == name) return kernel;
-  const cl::Program program(context_, name, kernels::kernel_source(name), options_);
+  const cl::Program program(context_, name, kernels::kernel_source(name),
+                            name == "trace_primary" ? primary_options_ : options_);
   return kernels_.emplace_back(name, cl::Kernel(program, name)).second;
 }
 
@@ -131,6 +134,10 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
                                                .instances = scene_.instances,
                                                .groups = groups_,
                                                .hits = hits_,
+                                               .sampler = static_cast<std::uint32_t>(shape_.sampler),
+                                               .samples_u = static_cast<std::uint32_t>(shape_.nu),
+                                               .samples_v = static_cast<std::uint32_t>(shape_.nv),
+                                               .sample_support = shape_.support,
                                                .seed = shape_.seed,
                                                .columns = shape_.columns,
                                                .first_sample = first_sample_,
@@ -148,6 +155,10 @@ std::vector<float> TraceChain::surface() {
                                               .hits = hits_,
                                               .surface = surface_,
                                               .lift = lift_,
+                                              .sampler = static_cast<std::uint32_t>(shape_.sampler),
+                                              .samples_u = static_cast<std::uint32_t>(shape_.nu),
+                                              .samples_v = static_cast<std::uint32_t>(shape_.nv),
+                                              .sample_support = shape_.support,
                                               .seed = shape_.seed,
                                               .columns = shape_.columns,
                                               .first_sample = first_sample_,
@@ -225,6 +236,10 @@ std::vector<float> TraceChain::sky(const plan::Plan& plan) {
                                     .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
                                     .sun_direction = shared::rc_float4{law.sun_x, law.sun_y, law.sun_z, 0},
                                     .rays = static_cast<std::uint32_t>(plan.sky.rays),
+                                    .sampler = static_cast<std::uint32_t>(shape_.sampler),
+                                    .samples_u = static_cast<std::uint32_t>(shape_.nu),
+                                    .samples_v = static_cast<std::uint32_t>(shape_.nv),
+                                    .sample_support = shape_.support,
                                     .seed = plan.sky.hash_seed(shape_.seed),
                                     .columns = shape_.columns,
                                     .first_sample = first_sample_,

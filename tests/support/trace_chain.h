@@ -37,7 +37,7 @@ struct TraceShape {
   }
   /// Slot 0 of a pixel's plane in hits, surface and met sky.
   std::size_t hits_at(std::size_t pixel, std::size_t plane) const {
-    return pixel * elements().hits + plane * elements().padded;
+    return pixel * elements().hits + plane * elements().near;
   }
   std::size_t surface_at(std::size_t pixel, std::size_t plane) const {
     return pixel * elements().surface + plane * elements().padded;
@@ -74,7 +74,7 @@ std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, do
 std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups, const TraceShape& shape);
 
 /// The compiler options of a shape.
-std::string trace_options(const TraceShape& shape, const scene::CompiledScene& scene);
+std::string trace_options(const TraceShape& shape, const scene::CompiledScene& scene, const std::string& kernel);
 
 class TraceChain {
  public:
@@ -103,7 +103,7 @@ class TraceChain {
   std::uint32_t first_sample_ = 0, count_ = 0;
   render::SceneBuffers scene_;
   bool own_points_ = false;  ///< what lies in surface_ is of no triangle
-  std::string options_;
+  std::string primary_options_, options_;
   cl::Buffer<shared::RayGroup> groups_;
   cl::Buffer<std::uint32_t> hits_;
   cl::Buffer<float> surface_, lift_, met_sky_;

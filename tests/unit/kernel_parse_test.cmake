@@ -47,29 +47,32 @@ set(rows -DRC_CHUNK_SAMPLES=121 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -D
   -DRC_CHANNELS=9 -DRC_PIXELS_PER_GROUP=4)
 set(failures "")
 foreach(packed IN ITEMS
-    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace.cl
+    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace_light.cl
       -DRC_SKY_PLANES=8"
-    "trace.cl -DRC_SKY_PLANES=8 -DRC_BUNDLE=0" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
-    "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_PIXELS_PER_GROUP=1" "trace.cl
+    "trace_light.cl -DRC_SKY_PLANES=8 -DRC_BUNDLE=0" "probe_structs.cl -" "trace_primary.cl -DRC_SCATTER=0"
+    "trace_primary.cl -DRC_SCATTER=1"
+    "trace_primary.cl -DRC_SCATTER=1 -DRC_SUPPORT=1.5f" "trace_primary.cl -DRC_MOVING=1 -DRC_PIXELS_PER_GROUP=1"
+    "trace_primary.cl -DRC_BUNDLE=0" "trace_light.cl -DRC_MOVING=1 -DRC_PIXELS_PER_GROUP=1" "trace_light.cl
       -DRC_BUNDLE=0"
-    "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10
+    "trace_primary.cl -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10
       -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
-    "trace.cl -DRC_SHAPED=1" "trace.cl -DRC_BUNDLE=0 -DRC_SHAPED=1" "rows.cl 0 -DRC_SHAPED=1" "trace.cl -DRC_THROUGH=1"
+    "trace_light.cl -DRC_SHAPED=1" "trace_light.cl -DRC_BUNDLE=0 -DRC_SHAPED=1" "rows.cl 0 -DRC_SHAPED=1"
+    "trace_light.cl -DRC_THROUGH=1"
     "rows.cl 0 -DRC_THROUGH=1 -DRC_MATERIALS=7" "rows.cl 1 -DRC_THROUGH=1 -DRC_MATERIALS=7 -DRC_SHAPED=1"
-    "trace.cl -DRC_GLOSSY=1 -DRC_SHAPED=1" "trace.cl -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
-    "trace.cl -DRC_THROUGH=1 -DRC_FIRST_OPAQUE=1"
+    "trace_light.cl -DRC_GLOSSY=1 -DRC_SHAPED=1" "trace_light.cl -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
+    "trace_light.cl -DRC_THROUGH=1 -DRC_FIRST_OPAQUE=1"
     "rows.cl 0 -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_MATERIALS=7"
     "trace_bounce.cl -DRC_SKELETON=32 -DRC_SUN=1 -DRC_MATERIALS=7"
     "trace_bounce.cl -DRC_SKELETON=16 -DRC_SUN=0 -DRC_MATERIALS=7 -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
-    "trace.cl -DRC_LAMPS=2 -DRC_THROUGH=1 -DRC_SKY_PLANES=8"
-    "trace.cl -DRC_LAMPS=1 -DRC_GLOSSY=1 -DRC_SHAPED=1"
+    "trace_light.cl -DRC_LAMPS=2 -DRC_THROUGH=1 -DRC_SKY_PLANES=8"
+    "trace_light.cl -DRC_LAMPS=1 -DRC_GLOSSY=1 -DRC_SHAPED=1"
     "trace_bounce.cl -DRC_LAMPS=1 -DRC_SKELETON=16 -DRC_MATERIALS=7 -DRC_GLOSSY=1 -DRC_SHAPED=1"
-    "trace.cl -DRC_FURTHER=2 -DRC_FURTHER_RECORDS=2 -DRC_SHAPED=1"
-    "trace.cl -DRC_BUNDLE=0 -DRC_FURTHER=1 -DRC_SHAPED=1"
-    "trace.cl -DRC_FURTHER=3 -DRC_FURTHER_RECORDS=3 -DRC_SHAPED=1 -DRC_GLOSSY=1 -DRC_THROUGH=1 -DRC_LAMPS=1"
+    "trace_light.cl -DRC_FURTHER=2 -DRC_FURTHER_RECORDS=2 -DRC_SHAPED=1"
+    "trace_light.cl -DRC_BUNDLE=0 -DRC_FURTHER=1 -DRC_SHAPED=1"
+    "trace_light.cl -DRC_FURTHER=3 -DRC_FURTHER_RECORDS=3 -DRC_SHAPED=1 -DRC_GLOSSY=1 -DRC_THROUGH=1 -DRC_LAMPS=1"
     "trace_bounce.cl -DRC_FURTHER=3 -DRC_FURTHER_RECORDS=3 -DRC_SHAPED=1 -DRC_GLOSSY=1 -DRC_THROUGH=1 -DRC_LAMPS=1
       -DRC_SKELETON=16 -DRC_MATERIALS=7 -DRC_PATH_LOG=1"
-    "trace.cl -DRC_FURTHER_RECORDS=2 -DRC_THROUGH=1"
+    "trace_light.cl -DRC_FURTHER_RECORDS=2 -DRC_THROUGH=1"
     "rows.cl 0 -DRC_FURTHER=3 -DRC_FURTHER_RECORDS=3 -DRC_SHAPED=1 -DRC_GLOSSY=1 -DRC_THROUGH=1 -DRC_MATERIALS=7"
     "rows.cl 0 -DRC_LAMPS=2 -DRC_SKY_PLANES=8 -DRC_SKELETON=32 -DRC_MATERIALS=7"
     "trace_photons.cl -DRC_STACK=96"
@@ -93,13 +96,12 @@ foreach(packed IN ITEMS
   if(entry STREQUAL "rows.cl")
     list(POP_FRONT words chunked)
     list(APPEND words ${rows} -DRC_CHUNKED=${chunked})
-  elseif(entry STREQUAL "trace.cl" OR entry STREQUAL "trace_bounce.cl")
+  elseif(entry MATCHES "^trace_(primary|light|bounce)")
     list(APPEND words -DRC_STACK=92)
   elseif(entry MATCHES "lidar_")
     list(APPEND words -DRC_TAPS_PADDED=32)
-  else()
-    set(words "")
   endif()
+  list(REMOVE_ITEM words "-")
   foreach(clang IN LISTS clangs)
     execute_process(COMMAND ${clang} ${flags} ${words} ${ROOT}/kernels/entry/${entry} RESULT_VARIABLE status
       ERROR_VARIABLE errors)
