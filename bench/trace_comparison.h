@@ -21,7 +21,7 @@ struct Limits {
 struct Comparison {
   Pairs primary, primary_best, shadow,
       shadow_best;           ///< reference: 16 coherent; the fastest of Embree's modes in each round
-  std::string program_hash;  ///< of the tracing program that was timed
+  std::string program_hash;  ///< of the tracing programs that were timed
 };
 
 /// modes: which of Embree's modes take part (16 coherent always does).

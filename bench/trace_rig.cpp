@@ -86,8 +86,8 @@ std::vector<RayResult> TraceRig::hits() const {
   std::vector<RayResult> results(s.pixels() * samples);
   for (std::size_t p = 0; p < s.pixels(); ++p)
     for (std::size_t k = 0; k < samples; ++k)
-      results[p * samples + k] = {raw[p * of_pixel.hits + RC_HIT_INSTANCE * of_pixel.padded + k],
-                                  raw[p * of_pixel.hits + RC_HIT_PRIMITIVE * of_pixel.padded + k]};
+      results[p * samples + k] = {raw[p * of_pixel.hits + RC_HIT_INSTANCE * of_pixel.near + k],
+                                  raw[p * of_pixel.hits + RC_HIT_PRIMITIVE * of_pixel.near + k]};
   return results;
 }
 

@@ -40,7 +40,7 @@ class TraceRig {
   ShadowRays sky_rays() const;
 
   std::string build_options() const;
-  /// SHA-256 of the tracing program's source and options.
+  /// SHA-256 of source and options of the programs of first rays and of sun rays, and of how samples lie.
   std::string program_hash() const;
   std::string device_name() const;
 

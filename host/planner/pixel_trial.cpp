@@ -248,7 +248,7 @@ TrialError PixelTrial::own_draw(int samples, int directions) {
     draw_for_replicates(drawn, directions);
   else
     draw_pixels(static_cast<int>(looked_.size()), static_cast<int>(looked_.size()));
-  // As many renders as are quick, of the program that the image takes: another number of samples is another program.
+  // As many renders as are quick, of the programs that the image takes: other words of samples are other programs.
   const double all_s = static_cast<double>(pixels_) * pixel_cost_s(drawn, directions);
   const bool rms =
       simulation_.tolerance_of.figure == scene::ErrorFigure::rms;  // else references must be near the truth

@@ -21,7 +21,7 @@ constexpr double kPrograms_s = 0.15;
 /// What two replicates of the smallest size err in an image of wires, fences and targets (3.5 to 5 % in twenty seeded
 /// scenes, bench/planner_accuracy.py): what a first size is chosen by.
 constexpr double kTypicalError = 0.045;
-/// Samples of a replicate. Few numbers, since each is a program of its own.
+/// Samples of a replicate. Few numbers, since each has programs of its own.
 constexpr std::array kSizes = {kReplicateSamples, 34, 89, 233, 610};
 /// How samples and directions go up where the error is to come down by a factor: the usual laws of error_law.h, not
 /// the careful ones, since twice as many replicates are the worst that comes of it.

@@ -195,12 +195,11 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   }
   tables.multiple = lidar.transport.max_bounces > 1;
   tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());
-  tables.options = " -cl-std=CL1.2 -DRC_NU=1 -DRC_NV=1 -DRC_SCATTER=1 -DRC_PIXELS_PER_GROUP=1" +
-                   define("RC_CHUNK_SAMPLES", tables.chunk) + define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) +
-                   "f" + define("RC_RECEIVER", int{receiver}) + define("RC_LASER_LINES", plan.lines()) +
-                   define("RC_COLUMNS", lidar.receiver.columns) + define("RC_ROWS", lidar.receiver.rows) +
-                   define("RC_RAY_COUNT", rays) + define("RC_SINGLE", int{tables.single}) +
-                   define("RC_EXITS", int{exits}) +
+  tables.options = " -cl-std=CL1.2 -DRC_SCATTER=1 -DRC_PIXELS_PER_GROUP=1" + define("RC_CHUNK_SAMPLES", tables.chunk) +
+                   define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) + "f" + define("RC_RECEIVER", int{receiver}) +
+                   define("RC_LASER_LINES", plan.lines()) + define("RC_COLUMNS", lidar.receiver.columns) +
+                   define("RC_ROWS", lidar.receiver.rows) + define("RC_RAY_COUNT", rays) +
+                   define("RC_SINGLE", int{tables.single}) + define("RC_EXITS", int{exits}) +
                    define("RC_OVERLAP", lidar.transport.overlap == scene::LidarOverlap::exact ? 1 : 0) +
                    define("RC_GAUSSIAN", lidar.pulse.profile == scene::BeamProfile::gaussian ? 1 : 0);
   tables.air_options = define("RC_LINE_NODES", plan.nodes.size());

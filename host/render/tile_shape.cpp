@@ -1,5 +1,7 @@
 #include "host/render/tile_shape.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 
@@ -78,14 +80,14 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   const auto trace = [&](const char* name, int value) { out.trace += text(name, value); };
   const auto rays = [&](const char* name, int value) { primary(name, value), trace(name, value); };
   const auto rows = [&](const char* name, int value) { out.rows += text(name, value); };
-  // A grid is compiled in, since its bundles hang on it. Else samples are arguments, and any number of them runs in the
-  // program of whole words of 16.
-  const bool scatter = shape.sampler != scene::SamplerKind::grid || shape.support_px != 1;
+  // A grid is compiled in, since its bundles hang on it. Else, and where rays go one by one, samples are arguments, and
+  // any number of them runs in the program of whole words of 16.
+  const bool scatter = shape.moving || shape.sampler != scene::SamplerKind::grid || shape.support_px != 1;
   both("RC_CHUNK_SAMPLES", RC_PADDED(shape.chunk_samples));
   primary("RC_CHUNK_SAMPLES", scatter ? RC_PADDED(shape.chunk_samples) : shape.chunk_samples);
   primary("RC_SCATTER", scatter);
   if (!scatter) primary("RC_NU", shape.samples_u), primary("RC_NV", shape.samples_v);
-  if (scatter) out.primary += text("RC_SUPPORT", shape.support_px) + "f";
+  if (scatter && !shape.moving) out.primary += fmt::format(" -DRC_SUPPORT={:#.9g}f", shape.support_px);
   both("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
   primary("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
   both("RC_SKY_PLANES", shape.sky_planes());

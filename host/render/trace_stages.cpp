@@ -1,5 +1,7 @@
 #include "host/render/trace_stages.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -141,9 +143,9 @@ struct TraceStages::State {
         primary_options(program_options(shape_, scene.stack_bound()).primary + buffers_.options),
         options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
         path_options(program_options(shape_, scene.stack_bound()).paths + buffers_.options),
-        identity(identity_of("trace_primary", primary_options) + identity_of("trace_light", options) +
+        identity(sampling.text() + identity_of("trace_primary", primary_options) + identity_of("trace_light", options) +
                  (shape_.bounces ? identity_of("trace_bounce", path_options) : "")),
-        surfaces_identity(identity_of("trace_primary", primary_options) +
+        surfaces_identity(sampling.text() + identity_of("trace_primary", primary_options) +
                           identity_of("trace_light", program_options(without_sky(shape_), scene.stack_bound()).trace +
                                                          buffers_.options)),
         primary_program(context_.program("trace_primary", kernels::kernel_source("trace_primary"), primary_options)),
@@ -167,6 +169,8 @@ struct TraceStages::State {
           samples_u(static_cast<cl_uint>(shape.samples_u)),
           samples_v(static_cast<cl_uint>(shape.samples_v)),
           support(shape.support_px) {}
+    /// For hashes of what was launched.
+    std::string text() const { return fmt::format("samples {} {} {} {}\n", sampler, samples_u, samples_v, support); }
     cl_uint sampler, samples_u, samples_v;
     float support;
   };

@@ -65,7 +65,7 @@ struct RenderStatistics {
   std::uint64_t per_sample_pixels = 0;  ///< pixels past the largest row
   std::uint32_t terms_p50 = 0, terms_p95 = 0;
   std::string program_hash;                  ///< SHA-256 of source and options of the programs launched
-  std::string trace_program_hash;            ///< of the tracing program alone
+  std::string trace_program_hash;            ///< of the tracing programs alone
   std::vector<std::string> kernel_variants;  ///< build options of what traced, by program
   int tile_lines = 0, tile_columns = 0;
   ReplicateSpread spread;                                 ///< of an image that is a mean of replicates

@@ -21,7 +21,7 @@ RC_BODY trace_lamps_body(uint index, RC_PARAMETERS(RC_TRACE_LAMPS_ARGUMENTS)) {
     for (uint word = 0; word < RC_LAMPS * RC_WORDS; ++word) rc_store16((float16)(0.0f), word, out);
     for (uint slot = 0; slot < RC_OWN_SIDES * RC_NEAR_SAMPLES; ++slot) {
       const uint sample = RC_SAMPLE_OF(slot);
-      if (sample >= RC_CHUNK_SAMPLES || ids[sample] == RC_NONE) continue;
+      if (ids[sample] == RC_NONE) continue;
       global const float* at = in + slot;
       const float4 normal =
           (float4)(at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)], 0.0f);

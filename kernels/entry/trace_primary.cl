@@ -42,6 +42,7 @@ RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)
   rc_scatter_samples(&samples, sampling, seed, place, first_sample, sample_count);
   frame.samples = &samples;
 #else
+  frame.sampling = sampling;
   frame.first_row = first_sample / RC_NU;
   frame.rows = sample_count / RC_NU;
   frame.columns = place.used * RC_NU;

@@ -50,6 +50,7 @@ typedef struct GroupFrame {
 #if RC_SCATTER
   const RC_SAMPLE_SPACE Scatter* samples;
 #else
+  Sampling sampling;
   uint first_row, rows; /* of the chunk */
   uint columns;         /* of the pixels that exist */
 #endif
@@ -197,8 +198,7 @@ static inline uint rc_slot(uint row, uint column) {
 static inline uint rc_open_slot(uint sample) { return rc_slot(sample >> 16, sample & 0xffffu); }
 static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
   const uint row = sample >> 16, column = sample & 0xffffu, p = column / RC_NU;
-  const Sampling grid = {RC_SAMPLER_GRID, RC_NU, RC_NV, 1.0f};
-  rc_group_sample(grid, 0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, a, b);
+  rc_group_sample(frame->sampling, 0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, a, b);
 }
 #endif
 

@@ -31,7 +31,7 @@ static inline RayGroup rc_group_rays(global const RayGroup* groups, uint group) 
 }
 
 /* How a pixel's samples lie (kernels/sampling/sampler.h): of all kernels but trace_primary's grid, which is made for
- * one, an argument, so that another number of samples is no other program. */
+ * one, an argument, so that another number of samples in as many words of 16 is no other program. */
 typedef struct Sampling {
   int kind; /* RC_SAMPLER_* */
   uint nu, nv;

@@ -7,7 +7,7 @@
 #include "kernels/shared/tile_layout.h"
 
 typedef struct TracedPixel {
-  global const uint *instance, *primitive; /* [padded] */
+  global const uint *instance, *primitive; /* [near slots] */
   global const float* point;               /* [RC_POINT_PLANES][padded] */
   global const float* lift;                /* [padded] */
   global const ushort* sun;                /* [words] */

@@ -75,7 +75,7 @@ static inline void rc_file_components(ShadedSamples* samples, int first, int use
 /* Whether light goes to the viewer from what slot s stands for: a side of a surface. */
 static inline bool rc_scatters(const TracedPixel* traced, int s) {
   const int sample = RC_SAMPLE_OF(s);
-  if (sample >= RC_CHUNK_SAMPLES || traced->instance[sample] == RC_NONE) return false;
+  if (traced->instance[sample] == RC_NONE) return false;
   if (RC_SIDE_OF(s) == 0u) return true;
   global const float* at = traced->point + s;
   return at[RC_PLANE(RC_NORMAL_X)] != 0.0f || at[RC_PLANE(RC_NORMAL_Y)] != 0.0f || at[RC_PLANE(RC_NORMAL_Z)] != 0.0f;

@@ -64,7 +64,7 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
 /* All surfaces of the pixel into its row; a row that is full ends as RC_ROW_OVERFLOW. surface_node: [surface]. */
 static inline void rc_deposit_surfaces(SceneArrays scene, const TracedPixel* traced, global const float4* surface_node,
                                        float sample_total, ShadedSamples* samples, PixelRow* row) {
-  for (int s = 0; s < (RC_SIDES - 1) * RC_NEAR_SAMPLES + RC_CHUNK_SAMPLES; ++s) {
+  for (int s = 0; s < RC_PADDED_SAMPLES; ++s) {
     const uint id = samples->surface[s];
     if (id == RC_NONE) continue;
     SurfaceSums sums;

@@ -102,7 +102,8 @@
 #define RC_ENVIRONMENT_NODES 4 /* nodes of the ground around that a pixel takes light from */
 
 #ifdef __OPENCL_C_VERSION__
-/* Build options (host/render/tile_shape.h gives them to every program of a camera) and what follows from them. */
+/* Build options (host/render/tile_shape.h gives a camera's programs those that they read; first rays know of the chunk
+ * and the group alone) and what follows from them. */
 #ifndef RC_PIXELS_PER_GROUP
 #define RC_PIXELS_PER_GROUP RC_GROUP_WIDTH
 #endif

@@ -35,6 +35,14 @@ kernel void probe_layout(global ulong* at) {
 }
 )";
 
+/// What the program of first rays, which knows neither matter nor sky, shares with the others.
+constexpr const char* kHitsProbe = R"(
+kernel void probe_hits(global ulong* at) {
+  at[0] = RC_HITS_AT(3);
+  at[1] = RC_HIT_PLANE(RC_HIT_PRIMITIVE);
+}
+)";
+
 render::StageShape shape_of(int chunk_samples, int chunks, int components, int thermal, int heights) {
   render::StageShape shape;
   shape.samples_u = chunk_samples, shape.samples_v = chunks, shape.samples = chunk_samples * chunks;
@@ -73,6 +81,18 @@ TEST_CASE("tile layout: kernels and host agree on planes, strides and sizes, wha
                                                 3 * rows.sums, 3 * rows.path, 3 * rows.truth,   5 * tile.padded,
                                                 3 * 3 + 7 / 4};  // pixel 7 of line 3, three groups a line
       CHECK(found.read_all() == expected);
+
+      const auto hits_of = [&](const char* source, const std::string& options) {
+        const cl::Program of(context, "hits", std::string(kernels::kernel_source(source)) + kHitsProbe, options);
+        cl::Kernel probe(of, "probe_hits");
+        cl::Buffer<std::uint64_t> told(context, 2, cl::Access::read_write, "layout of hits");
+        probe.arguments(told);
+        context.launch(probe, 1);
+        return told.read_all();
+      };
+      const std::vector<std::uint64_t> hits{3 * tile.hits, tile.near};
+      CHECK(hits_of("trace_primary", render::program_options(shape, 92).primary) == hits);
+      CHECK(hits_of("resolve", render::program_options(shape, 92).rows) == hits);
     }
   }
 }
