@@ -24,6 +24,7 @@ static inline bool rc_primary_group(SceneArrays scene, GroupFrame* frame, uint b
 #if RC_SCATTER
   placed.samples = frame->samples;
 #else
+  placed.sampling = frame->sampling;
   placed.first_row = frame->first_row;
   placed.rows = frame->rows;
   placed.columns = frame->columns;
