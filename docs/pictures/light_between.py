@@ -61,16 +61,17 @@ material = [
   { name = "soil", file = "soil.csv" },
   { name = "bark", reflectance = 0.2 },
   { name = "white", reflectance = 0.8 },
-  { name = "leaf", leaf = { prospect = { n = 1.5, cab_ug_cm2 = 38.0, car_ug_cm2 = 9.0, cw_cm = 0.01, cm_g_cm2 = 0.005 } } },
+  { name = "leaf", leaf = { prospect = { n = 1.5, cab_ug_cm2 = 38, car_ug_cm2 = 9, cw_cm = 0.01, cm_g_cm2 = 0.005 } } },
 ]
 plane = [{ material = "soil", size_m = [400.0, 400.0] }]
 mesh = [{ name = "tree", file = "tree.obj", materials = { leaf = "leaf", bark = "bark" } }]
 BLOCKS
 TREES
 """
+#: Place and direction, samples, rays into the sky, the sun's zenith angle and azimuth.
 VIEWS = {
-    "grove": ("position_m = [-16.0, -58.0, 42.0]\nlook_at_m = [0.0, 0.0, 3.0]\nifov_mrad = 2.1\n", 55, 110, (38.0, 235.0)),
-    "under": ("position_m = [3.5, -7.0, 5.0]\nlook_at_m = [-0.4, 0.0, 0.5]\nifov_mrad = 2.2\n", 89, 356, (32.0, 8.0)),  # the blocks in the shade
+    "grove": ((-16.0, -58.0, 42.0), (0.0, 0.0, 3.0), 2.1, 55, 110, (38.0, 235.0)),
+    "under": ((3.5, -7.0, 5.0), (-0.4, 0.0, 0.5), 2.2, 89, 356, (32.0, 8.0)),  # the blocks in the shade
 }
 PARK = """format = 1
 tolerance = 0.02
@@ -134,7 +135,8 @@ def write_scenes(folder, park):
     places = [(0.0, 2.2), (-4.4, 1.0), (3.6, 3.4)]
     while len(places) < 60:
         x, y = rng.uniform(-30, 30, 2)
-        if (abs(x) > 9 or abs(y) > 6) and np.hypot(x - 3.5, y + 7.0) > 7 and min(np.hypot(x - a, y - b) for a, b in places) > 3.4:
+        clear = (abs(x) > 9 or abs(y) > 6) and np.hypot(x - 3.5, y + 7.0) > 7  # of the blocks, and of who looks at them
+        if clear and min(np.hypot(x - a, y - b) for a, b in places) > 3.4:
             places.append((x, y))
     text = text.replace(
         "TREES",
@@ -146,10 +148,12 @@ def write_scenes(folder, park):
         )
         + "\n]",
     )
-    for name, (place, samples, paths, sun) in VIEWS.items():
+    for name, (at, to, ifov_mrad, samples, paths, sun) in VIEWS.items():
+        place = f"position_m = {list(at)}\nlook_at_m = {list(to)}\nifov_mrad = {ifov_mrad}\n"
         instrument, rays = camera(name, place, samples, paths)
         lit = text.replace("ZENITH", str(sun[0])).replace("AZIMUTH", str(sun[1]))
-        (folder / f"{name}.toml").write_text(lit.replace("tolerance = 0.02\n", "tolerance = 0.02\n" + rays) + instrument)
+        lit = lit.replace("tolerance = 0.02\n", "tolerance = 0.02\n" + rays)
+        (folder / f"{name}.toml").write_text(lit + instrument)
     for file in park.iterdir():
         if not (folder / file.name).exists():
             os.symlink(file.resolve(), folder / file.name)
