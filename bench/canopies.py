@@ -3,9 +3,10 @@
 
 Makes the canopies of scenes/rami/generate.py in FOLDER, takes their reflectance factors in the principal and the
 orthogonal plane every 2 degrees, their albedo and where their light goes, red and near infrared, and says how well each
-is known. Layers are held against a turbid medium's Monte Carlo written here: no geometry, draws of its own; all views
-share its photons, so that the chance of the sum of squares is a guide and no bar. A canopy that FOLDER has measured is
-not measured again. Writes FOLDER/canopies.json; exit 0 only if all bars are met."""
+is known. Layers are held against a turbid medium's Monte Carlo written here, with the foot of the hot spot that discs
+of their size have: no geometry, draws of its own; all views share its photons, so that the chance of the sum of squares
+is a guide and no bar. A canopy that FOLDER has measured is not measured again. Writes FOLDER/canopies.json; exit 0 only
+if all bars are met."""
 
 import argparse
 import json
@@ -20,7 +21,7 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SUN_DEG, HOT_SPOT_DEG = 20.0, 15.0
 LEAF, SOIL = ((0.0546, 0.0149), (0.4957, 0.4409)), (0.127, 0.159)  # of generate.py's layers, red and near infrared
-#: Leaves of an 800th of the depth: of a 200th the red factors of LAI 5 lie 1.3 % above a turbid medium's.
+#: Leaves of an 800th of the depth: light scattered once leaves along the way that lit it, where they overlap.
 FINE = ("--radius", "0.0025", "--height", "2", "--cell", "2")
 #  name: arguments, samples and paths of a pixel in each of 16 batches
 CANOPIES = {
@@ -67,6 +68,20 @@ class Leaves:
         """Mean projected area of a square metre of leaf towards directions of these cosines with the zenith."""
         return np.interp(np.abs(cosine), self.cosines, self.projected)
 
+    def foot(self, sun, view):
+        """Of light scattered once, how much more goes from sun to view than in a turbid medium: the logarithm, for one
+        unit of leaf area over ground whose leaves are discs with a radius of one depth, to first order in it. A disc
+        that hides both ways from a point counts once, not twice. In its plane, at h from the point, the ways lie k h
+        apart, so by Poisson's law the logarithm is the leaves' density times the mean of Int lens(k h) dh, where lens
+        is what two such discs share, and Int lens(d) dd = 8/3 r^3."""
+        share, middle = np.diff(self.below), (self.theta[1:] + self.theta[:-1]) / 2
+        turn = (np.arange(128) + 0.5) * 2 * np.pi / 128
+        flat, up = np.sin(middle)[:, None], np.cos(middle)[:, None]
+        normal = np.stack([flat * np.cos(turn), flat * np.sin(turn), up * np.ones(128)], -1)
+        s, v = normal @ sun, normal @ view
+        apart = np.linalg.norm(sun / s[..., None] - view / v[..., None], axis=-1)
+        return 8 / (3 * math.pi) * float((share[:, None] * np.where(s * v > 0, 1 / apart, 0)).sum() / 128)
+
     def met(self, way, rng):
         """Normals of leaves that light going `way` meets: as often as they are large to it."""
         normal, left = np.empty_like(way), np.arange(len(way))
@@ -91,16 +106,19 @@ def about(axis, rng):
     return flat * (np.cos(turn)[:, None] * along + np.sin(turn)[:, None] * across) + np.sqrt(1 - u)[:, None] * axis
 
 
-def turbid(lai, leaves, leaf, soil, views, photons, rng, groups=20):
+def turbid(lai, leaves, leaf, soil, views, photons, rng, groups=20, radius=0.0):
     """Reflectance factors and standard errors towards views (unit vectors) of a layer of tiny leaves over Lambertian
-    ground: photons by chance, their light told to every view at each collision."""
+    ground: photons by chance, their light told to every view at each collision. radius: of the leaves, in depths of the
+    layer; 0 is a turbid medium."""
     found = []
     thick = np.array([leaves.area(view[2]) / view[2] for view in views])
+    sun = direction(SUN_DEG, 180.0)
+    once = np.exp([lai * radius * leaves.foot(sun, view) for view in views])
     views = np.array(views)
     for _ in range(groups):
         count = photons // groups
         way = np.tile(-direction(SUN_DEG, 180.0), (count, 1))
-        depth, weight, seen = np.zeros(count), np.ones(count), np.zeros(len(views))
+        depth, weight, seen, more = np.zeros(count), np.ones(count), np.zeros(len(views)), once
         while len(weight):
             depth = depth - np.log(rng.random(len(weight))) * -way[:, 2] / leaves.area(way[:, 2])
             keep = depth >= 0
@@ -113,7 +131,8 @@ def turbid(lai, leaves, leaf, soil, views, photons, rng, groups=20):
             back, through = np.where(ground, soil, leaf[0]), np.where(ground, 0.0, leaf[1])
             facing = normal @ views.T
             sent = np.where(facing > 0, back[:, None], through[:, None]) * np.abs(facing)
-            seen += (weight[:, None] * sent * np.exp(-depth[:, None] * thick)).sum(0) / views[:, 2] / count
+            seen += more * (weight[:, None] * sent * np.exp(-depth[:, None] * thick)).sum(0) / views[:, 2] / count
+            more = 1.0  # of light scattered twice and more
             weight = weight * (back + through)
             turned = rng.random(len(weight)) * (back + through) < back
             way = about(np.where(turned[:, None], normal, -normal), rng)
@@ -156,7 +175,10 @@ def against_turbid(found, arguments, rng):
     outside = np.array([math.degrees(math.acos(min(1.0, w @ sun))) > HOT_SPOT_DEG for w in ways])
     out = []
     for band in range(2):
-        wanted, sigma = turbid(float(given["--lai"]), leaves, LEAF[band], SOIL[band], ways, 1000000, rng)
+        radius = float(given["--radius"]) / float(given["--height"])
+        wanted, sigma = turbid(
+            float(given["--lai"]), leaves, LEAF[band], SOIL[band], ways, 1000000, rng, radius=radius
+        )
         ours = np.array([v["brf"]["mean"][band] for v in views])
         error = np.array([v["brf"]["error"][band] for v in views])
         apart = ((ours - wanted) / np.hypot(error, sigma))[outside]
