@@ -164,7 +164,6 @@ ShadowRays TraceRig::sky_rays() const {
   return rays;
 }
 
-std::string TraceRig::build_options() const { return state_->stages.variants().front(); }
 std::string TraceRig::program_hash() const { return state_->stages.program_hash(); }
 std::string TraceRig::device_name() const { return state_->context.device().name(); }
 

@@ -39,7 +39,6 @@ class TraceRig {
   /// NaN where the primary ray missed.
   ShadowRays sky_rays() const;
 
-  std::string build_options() const;
   /// SHA-256 of source and options of the programs of first rays and of sun rays, and of how samples lie.
   std::string program_hash() const;
   std::string device_name() const;
