@@ -296,14 +296,14 @@ DriverWork::~DriverWork() { --at_work; }
 KeptKernels::KeptKernels(std::string_view key) : key_(base::sha256_hex(key)), building_(cache().building) {
   Cache& c = cache();
   if (!c.ours) return;
-  if (!c.store.empty() && !c.folders.count(key_)) take();
+  found_ = c.folders.count(key_) > 0 || (!c.store.empty() && take());
   before_ = driver_folders(c.driver);
 }
 
-void KeptKernels::take() const {
+bool KeptKernels::take() const {
   const fs::path file = file_of(key_);
   std::error_code code;
-  if (!fs::exists(fs::symlink_status(file, code))) return;
+  if (!fs::exists(fs::symlink_status(file, code))) return false;
   KernelFiles files;
   try {
     files = unpack_kernels(key_, base::read_own_file(file));
@@ -311,15 +311,16 @@ void KeptKernels::take() const {
     fs::remove(file, code);
     notice(Level::warning,
            "kernels kept in " + file.string() + " are damaged: " + damaged.what() + "; they are compiled anew");
-    return;
+    return false;
   }
   if (!put_for_driver(files, file)) {
     cache().useless.insert(key_);
-    return;
+    return false;
   }
   for (const auto& [name, content] : files) cache().folders[key_].insert(folder_of(name));
   fs::last_write_time(file, fs::file_time_type::clock::now(), code);
   notice(Level::detail, "kernels: compiled ones from the cache, " + file.string());
+  return true;
 }
 
 void KeptKernels::built() {

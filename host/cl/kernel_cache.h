@@ -50,6 +50,10 @@ class KeptKernels {
   /// byte of it is whole; removes it, with a warning, if not. Other programs wait with their builds until
   /// built() or the end of this one. Throws Error(environment) where the disk is too full for it.
   explicit KeptKernels(std::string_view key);
+  /// Whether what was kept has been put where the driver looks: nothing of it has to be compiled.
+  bool found() const { return found_; }
+  /// The SHA-256 of the key, hexadecimal.
+  const std::string& hash() const { return key_; }
   /// The driver has made its folders for the program.
   void built();
   /// Keeps the program's files if the driver has added to them. Call it when no kernel of it is compiled any
@@ -59,9 +63,10 @@ class KeptKernels {
   KeptKernels& operator=(const KeptKernels&) = delete;
 
  private:
-  void take() const;
+  bool take() const;
   void keep() const;
   std::string key_;  ///< SHA-256, hexadecimal
+  bool found_ = false;
   std::unique_lock<std::mutex> building_;
   std::set<std::string> before_;  ///< the driver's folders before the build
 };

@@ -1,10 +1,27 @@
 #include "host/cl/program.h"
 
+#include <cstdlib>
+#include <fstream>
+
 #include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/cl/status.h"
 
 namespace raycube::cl {
+
+namespace {
+
+/// One line for a program in the file that RAYCUBE_PROGRAM_LOG names, if it names one: name, hash, whether it is
+/// compiled or was kept by an earlier run, options. Lines of processes side by side do not mix.
+void log_program(const std::string& name, const KeptKernels& kept, const std::string& options) {
+  const char* const file = std::getenv("RAYCUBE_PROGRAM_LOG");
+  if (!file || !*file) return;
+  std::ofstream(file, std::ios::app) << name + "\t" + kept.hash() + "\t" + (kept.found() ? "kept" : "compiled") + "\t" +
+                                            options + "\n"
+                                     << std::flush;
+}
+
+}  // namespace
 
 Program::Program(const Context& context, const std::string& name, std::string_view source, const std::string& options)
     : name_(name),
@@ -22,6 +39,7 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
         std::string_view(on.driver), std::string_view(asked), source})
     (key += part) += '\0';
   kept_ = std::make_unique<KeptKernels>(key);
+  log_program(name, *kept_, asked);
   const DriverWork work;
   cl_int status = CL_SUCCESS;
   const char* text = source.data();

@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""Counts the OpenCL programs that the tests compiled, and names the tests that asked for each: most of the time of a
+first run is PoCL compiling kernels, so a program more is minutes more on every machine.
+usage: programs_test.py FOLDER --begin            empties the folder, before the tests
+       programs_test.py FOLDER [--most N] [--json FILE]  after them: fails when they compiled more than N programs
+FOLDER holds a file TEST.tsv for each test, which its processes wrote (RAYCUBE_PROGRAM_LOG, host/cl/program.cpp): name,
+hash, "compiled" or "kept", options. Two programs are the same when name, source, options and device are. Sources of a
+few lines that tests of the cache and of error messages make up are listed apart: they take milliseconds."""
+
+import argparse
+import collections
+import json
+import pathlib
+import shutil
+import sys
+
+TRIFLES = {"add_one", "broken", "probe_structs"}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--begin", action="store_true")
+    parser.add_argument("--most", type=int, default=40)
+    parser.add_argument("--json", type=pathlib.Path)
+    given = parser.parse_args()
+    if given.begin:
+        shutil.rmtree(given.folder, ignore_errors=True)
+        given.folder.mkdir(parents=True)
+        return 0
+    tests = collections.defaultdict(list)  # by program, in the tests' order of names
+    options, compiled = {}, 0
+    for file in sorted(given.folder.glob("*.tsv")):
+        for line in file.read_text().splitlines():
+            name, key, how, asked = line.split("\t")
+            compiled += how == "compiled"
+            options[name, key] = asked
+            if file.stem not in tests[name, key]:
+                tests[name, key].append(file.stem)
+    programs = sorted(p for p in tests if p[0] not in TRIFLES)
+    trifles = len(tests) - len(programs)
+    for name, key in programs:
+        asking = tests[name, key]
+        shown = ", ".join(asking[:4]) + (f" and {len(asking) - 4} more" if len(asking) > 4 else "")
+        print(f"{name} {key[:8]} [{options[name, key]}]: {shown}")
+    print(f"{len(programs)} programs (at most {given.most}), and {trifles} of a few lines; compiled {compiled} times")
+    if given.json:
+        given.json.write_text(json.dumps({
+            "programs": len(programs), "trifles": trifles, "compilations": compiled,
+            "list": [{"name": p[0], "hash": p[1], "options": options[p], "tests": tests[p]} for p in programs]}))
+    if len(programs) > given.most:
+        print(f"FAILED: {len(programs)} programs are more than {given.most}. Make what differs an argument of the "
+              "kernel (TileShape in kernels/shared/structs.def), or give the test the sizes that others have.")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
