@@ -86,8 +86,8 @@ std::vector<RayResult> TraceRig::hits() const {
   std::vector<RayResult> results(s.pixels() * samples);
   for (std::size_t p = 0; p < s.pixels(); ++p)
     for (std::size_t k = 0; k < samples; ++k)
-      results[p * samples + k] = {raw[p * of_pixel.hits + RC_HIT_INSTANCE * of_pixel.near + k],
-                                  raw[p * of_pixel.hits + RC_HIT_PRIMITIVE * of_pixel.near + k]};
+      results[p * samples + k] = {raw[p * of_pixel.hits + of_pixel.hits_at(RC_HIT_INSTANCE, k)],
+                                  raw[p * of_pixel.hits + of_pixel.hits_at(RC_HIT_PRIMITIVE, k)]};
   return results;
 }
 
@@ -109,7 +109,8 @@ std::vector<RayResult> TraceRig::sun() const {
 
 ShadowRays TraceRig::shadow_rays() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = s.traced.elements.padded;
+  const auto samples = static_cast<std::size_t>(s.shape.samples);
+  constexpr std::size_t apart = RC_WORD;  // of a word's planes
   std::vector<float> surface(s.pixels() * s.traced.elements.surface);
   s.traced.surface.read(surface);
   ShadowRays rays;
@@ -121,20 +122,21 @@ ShadowRays TraceRig::shadow_rays() const {
   const auto& d = rays.direction;
   for (std::size_t p = 0; p < s.pixels(); ++p)
     for (std::size_t k = 0; k < samples; ++k) {
-      const float* at = surface.data() + p * s.traced.elements.surface + k;
-      const float cosine = std::fma(at[RC_NORMAL_X * padded], d[0],
-                                    std::fma(at[RC_NORMAL_Y * padded], d[1], at[RC_NORMAL_Z * padded] * d[2]));
+      const float* at = surface.data() + p * s.traced.elements.surface + s.traced.elements.surface_at(0, k);
+      const float cosine = std::fma(at[RC_NORMAL_X * apart], d[0],
+                                    std::fma(at[RC_NORMAL_Y * apart], d[1], at[RC_NORMAL_Z * apart] * d[2]));
       const std::size_t i = p * samples + k;
-      rays.x[i] = cosine > 0.0f ? at[RC_POINT_X * padded] : std::numeric_limits<float>::quiet_NaN();
-      rays.y[i] = at[RC_POINT_Y * padded];
-      rays.z[i] = at[RC_POINT_Z * padded];
+      rays.x[i] = cosine > 0.0f ? at[RC_POINT_X * apart] : std::numeric_limits<float>::quiet_NaN();
+      rays.y[i] = at[RC_POINT_Y * apart];
+      rays.z[i] = at[RC_POINT_Z * apart];
     }
   return rays;
 }
 
 ShadowRays TraceRig::sky_rays() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = s.traced.elements.padded;
+  const auto samples = static_cast<std::size_t>(s.shape.samples);
+  constexpr std::size_t apart = RC_WORD;  // of a word's planes
   std::vector<float> surface(s.pixels() * s.traced.elements.surface);
   s.traced.surface.read(surface);
   ShadowRays rays;
@@ -142,8 +144,8 @@ ShadowRays TraceRig::sky_rays() const {
   for (std::vector<float>* of : {&rays.x, &rays.y, &rays.z, &rays.dx, &rays.dy, &rays.dz}) of->resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t pixel = i / samples, k = i % samples;
-    const float* at = surface.data() + pixel * s.traced.elements.surface + k;
-    const lidar::Vec3 normal{at[RC_NORMAL_X * padded], at[RC_NORMAL_Y * padded], at[RC_NORMAL_Z * padded]};
+    const float* at = surface.data() + pixel * s.traced.elements.surface + s.traced.elements.surface_at(0, k);
+    const lidar::Vec3 normal{at[RC_NORMAL_X * apart], at[RC_NORMAL_Y * apart], at[RC_NORMAL_Z * apart]};
     const auto draw = [&](std::uint32_t dimension) {
       return static_cast<double>(
           rc_unit_float(rc_hash(7u, static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(k), dimension)));
@@ -155,9 +157,9 @@ ShadowRays TraceRig::sky_rays() const {
     const lidar::Vec3 along = lidar::cross(normal, across);
     const double a = std::sqrt(square) * std::cos(turn), b = std::sqrt(square) * std::sin(turn),
                  up = std::sqrt(1 - square);
-    rays.x[i] = lidar::length(normal) > 0.5 ? at[RC_POINT_X * padded] : std::numeric_limits<float>::quiet_NaN();
-    rays.y[i] = at[RC_POINT_Y * padded];
-    rays.z[i] = at[RC_POINT_Z * padded];
+    rays.x[i] = lidar::length(normal) > 0.5 ? at[RC_POINT_X * apart] : std::numeric_limits<float>::quiet_NaN();
+    rays.y[i] = at[RC_POINT_Y * apart];
+    rays.z[i] = at[RC_POINT_Z * apart];
     std::vector<float>* to[] = {&rays.dx, &rays.dy, &rays.dz};
     for (std::size_t j = 0; j < 3; ++j) (*to[j])[i] = static_cast<float>(a * across[j] + b * along[j] + up * normal[j]);
   }

@@ -97,7 +97,9 @@ class Tables {
 
 }  // namespace
 
-std::size_t lobe_records(const CompiledScene& scene) { return RC_LOBES + most_further(scene); }
+std::size_t further_records(const CompiledScene& scene) { return (most_further(scene) + 7) / 8 * 8; }
+
+std::size_t lobe_records(const CompiledScene& scene) { return RC_LOBES + further_records(scene); }
 
 void for_each_lobe(const CompiledScene& scene, const shared::Surface& surface,
                    const std::function<void(std::size_t, const Shape&, double)>& place) {
@@ -114,8 +116,8 @@ void for_each_lobe(const CompiledScene& scene, const shared::Surface& surface,
 
 std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t copies, const LobeFactor& factor) {
   std::vector<shared::Lobe> out;
-  const std::size_t further = most_further(scene);
-  Tables tables(scene.surfaces.size() * copies * (RC_LOBES + further));
+  const std::size_t records = lobe_records(scene);
+  Tables tables(scene.surfaces.size() * copies * records);
   const auto add = [&](const shared::Surface& surface, std::size_t copy) {
     const std::size_t first = out.size();
     const auto place = [&](std::size_t record, const Shape& shape, double share) {
@@ -123,7 +125,7 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene, std::size_t 
       out[first + record] = lobe_of(shape, static_cast<float>(share * part));
       if (shape.table) tables.tell(out[first + record], shape);
     };
-    out.resize(first + RC_LOBES + further, lobe_of({}, 0));
+    out.resize(first + records, lobe_of({}, 0));
     out[first] = lobe_of({RC_SHAPE_lambert}, 1);
     for_each_lobe(scene, surface, [&](std::size_t record, const Shape& shape, double share) {
       const double others = record == RC_LOBE_BEHIND ? static_cast<double>(out[first + record].share) : 0;
@@ -155,7 +157,7 @@ CameraMatter matter_of_used(const CompiledScene& scene, const std::vector<std::u
   out.shaped = out.glossy || out.plates || first_shaped_of(scene, used) != nullptr;
   for (const auto material : used)
     out.further = std::max(out.further, static_cast<int>(scene.materials[material].further.size()));
-  out.further_records = static_cast<int>(most_further(scene));
+  out.further_records = static_cast<int>(further_records(scene));
   out.materials = material_count(scene);
   return out;
 }
@@ -168,7 +170,7 @@ std::vector<shared::Lobe> camera_lobes(const CompiledScene& scene) {
   const auto matter = camera_matter(scene);
   if (!matter.shaped && !matter.through) return std::vector<shared::Lobe>(1);
   auto lobes = surface_lobes(scene);
-  const std::size_t records = scene.surfaces.size() * (RC_LOBES + most_further(scene));  // then tables
+  const std::size_t records = scene.surfaces.size() * lobe_records(scene);  // then tables
   for (std::size_t i = 0; i < records; ++i) {
     Shape shape{lobes[i].shape};
     std::copy(std::begin(lobes[i].parameter), std::end(lobes[i].parameter), shape.parameter.begin());
@@ -207,7 +209,7 @@ const Curve& white_curve() {
 }
 
 std::uint32_t curve_roles(const CompiledScene& scene) {
-  return RC_CURVE_ROLES + static_cast<std::uint32_t>(most_further(scene));
+  return RC_CURVE_ROLES + static_cast<std::uint32_t>(further_records(scene));
 }
 
 namespace {

@@ -47,6 +47,9 @@ void for_each_material(const shared::Surface& surface, F&& f) {
 /// The narrowest gloss that cameras see: below it single precision and the sun as a point would show.
 inline constexpr double kLeastRoughness = 0.1;
 
+/// Records for further lobes in surface_lobes: most of any material, up to a multiple of 8, so that kernels are not
+/// compiled anew for each number of them.
+std::size_t further_records(const CompiledScene& scene);
 /// Records of a surface in surface_lobes.
 std::size_t lobe_records(const CompiledScene& scene);
 /// Calls place(record, shape, share of the area) for each lobe of a surface; more than once for one that its materials
@@ -54,7 +57,7 @@ std::size_t lobe_records(const CompiledScene& scene);
 void for_each_lobe(const CompiledScene& scene, const shared::Surface& surface,
                    const std::function<void(std::size_t, const Shape&, double)>& place);
 
-/// Shapes of every surface, [surface][RC_LOBES + most_further(scene)]; behind them their tables, each once, to which a
+/// Shapes of every surface, [surface][lobe_records(scene)]; behind them their tables, each once, to which a
 /// record's first two parameters then count floats from the beginning of all (kernels/materials/measured.h). Materials
 /// mixed in one surface share what they reflect by one shape. copies: of each surface's records, one after the other,
 /// whose shares are multiplied by factor(copy, surface, record, its shape).
@@ -87,7 +90,7 @@ struct CameraMatter {
   bool plates = false;          ///< some lets it straight on; then it counts as shaped, so that ways are known
   bool glossy = false;          ///< some has a gloss beside what it reflects
   int further = 0;              ///< beyond the first of shapes that change with wavelength: most of any material
-  int further_records = 0;      ///< as many, in surface_lobes
+  int further_records = 0;      ///< for them in surface_lobes
   std::uint32_t materials = 0;  ///< of the scene
   /// Slots of a sample: the near side, the far one where matter lets light through, the near one's gloss where some is,
   /// and the further lobes of what is seen.
@@ -106,7 +109,8 @@ Shape as_cameras_see(Shape shape);
 /// without count as zero.
 std::vector<std::uint32_t> seen_curves(const CompiledScene& scene);
 
-/// Curves are numbered from 1, see kernels/shared/product_key.h.
+/// Roles of a material's curves: the last of them may be nobody's (further_records). Curves are numbered from 1, see
+/// kernels/shared/product_key.h.
 std::uint32_t curve_roles(const CompiledScene& scene);
 inline std::uint32_t curve_count(const CompiledScene& scene) { return curve_roles(scene) * material_count(scene); }
 

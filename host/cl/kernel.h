@@ -31,8 +31,8 @@ class Kernel {
     list.for_each([&](const auto& value) { set_next(index, value); });
     return *this;
   }
-  /// Sets all arguments of a kernel without a list in order: buffers, 32-bit scalars or rc_float4, and arrays in pages,
-  /// which count as many arguments. The number is checked against the kernel's.
+  /// Sets all arguments of a kernel without a list in order: buffers, 32-bit scalars, rc_float4, TileShape, and arrays
+  /// in pages, which count as many arguments. The number is checked against the kernel's.
   template <typename... Arguments>
   Kernel& arguments(const Arguments&... values) {
     check_count((std::size_t{0} + ... + places(values)));
@@ -43,7 +43,8 @@ class Kernel {
   void set(cl_uint index, const RawBuffer& buffer);
   template <typename T>
   requires(std::is_same_v<T, cl_uint> || std::is_same_v<T, cl_int> || std::is_same_v<T, float> ||
-           std::is_same_v<T, shared::rc_float4>) void set(cl_uint index, T value) {
+           std::is_same_v<T, shared::rc_float4> ||
+           std::is_same_v<T, shared::TileShape>) void set(cl_uint index, T value) {
     set_bytes(index, &value, sizeof value);
   }
 

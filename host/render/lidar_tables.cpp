@@ -195,7 +195,7 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   }
   tables.multiple = lidar.transport.max_bounces > 1;
   tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());
-  tables.options = " -cl-std=CL1.2 -DRC_SCATTER=1 -DRC_PIXELS_PER_GROUP=1" + define("RC_CHUNK_SAMPLES", tables.chunk) +
+  tables.options = " -cl-std=CL1.2" + define("RC_CHUNK_SAMPLES", tables.chunk) +
                    define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) + "f" + define("RC_RECEIVER", int{receiver}) +
                    define("RC_LASER_LINES", plan.lines()) + define("RC_COLUMNS", lidar.receiver.columns) +
                    define("RC_ROWS", lidar.receiver.rows) + define("RC_RAY_COUNT", rays) +

@@ -2,6 +2,7 @@
 
 #include "host/cl/kernel.h"
 #include "host/render/scene_on_device.h"
+#include "host/render/tile_shape.h"
 #include "kernels/kernel_source.h"
 #include "kernels/shared/photon_arguments.h"
 #include "scene_compiler/matter.h"
@@ -15,14 +16,8 @@ RC_ARGUMENT_STRUCT(TracePhotonsArguments, "trace_photons", RC_TRACE_PHOTONS_ARGU
 constexpr std::size_t kOfItem = 16;  ///< photons that a work-item takes
 
 std::string program_options(const scene::CompiledScene& scene, const SceneBuffers& buffers) {
-  const scene::CameraMatter matter = scene::camera_matter(scene);
-  std::string out = "-cl-std=CL1.2 -DRC_STACK=" + std::to_string(kernel_stack(scene.stack_bound()));
-  if (matter.shaped) out += " -DRC_SHAPED=1";
-  if (matter.further_records > 0) out += " -DRC_FURTHER_RECORDS=" + std::to_string(matter.further_records);
-  if (matter.through) out += " -DRC_THROUGH=1";
-  if (matter.plates) out += " -DRC_PLATES=1";
-  if (matter.glossy) out += " -DRC_GLOSSY=1";
-  return out + buffers.options;
+  return "-cl-std=CL1.2 -DRC_STACK=" + std::to_string(kernel_stack(scene.stack_bound())) +
+         matter_options(scene::camera_matter(scene)) + buffers.options;
 }
 
 }  // namespace

@@ -58,7 +58,8 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       scene_(scene),
       plan_(plan),
       shape_(shape),
-      options_(program_options(shape, 0).rows + scene.options),
+      tile_(shape.arguments()),
+      options_(program_options(shape, 0, context.device().info().is_cpu).rows + scene.options),
       identity_("rows\n" + options_ + "\n" + std::string(kernels::kernel_source("rows"))),
       program_(context.program("rows", kernels::kernel_source("rows"), options_)),
       shade_(*program_, "shade"),
@@ -86,7 +87,8 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
     loaded_chunk_ = chunk, loaded_subset_ = subset;
   }
   const auto& s = plan_.sun_direction;
-  shade_.arguments(ShadeArguments{.item_count = pixels.count,
+  shade_.arguments(ShadeArguments{.tile = tile_,
+                                  .item_count = pixels.count,
                                   .pixel_list = pixels.list ? *pixels.list : no_list_,
                                   .use_list = cl_uint{pixels.list != nullptr},
                                   .capacity = static_cast<cl_uint>(rows.capacity),
@@ -128,6 +130,7 @@ void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, cons
   // A pixel of few samples or paths has one part.
   const bool parts = rc_sky_parts(static_cast<rc_u32>(shape_.samples), static_cast<rc_u32>(plan_.paths())) > 1;
   resolve_.arguments(ResolveArguments{
+      .tile = tile_,
       .first_item = first_item,
       .item_count = item_count,
       .pixel_list = pixels.list ? *pixels.list : no_list_,

@@ -91,6 +91,7 @@ class RowStages {
   const SceneBuffers& scene_;
   const plan::Plan& plan_;
   StageShape shape_;
+  shared::TileShape tile_;
   std::string options_, identity_;
   std::shared_ptr<const cl::Program> program_;
   cl::Kernel shade_, resolve_, integrate_;

@@ -36,9 +36,9 @@ std::optional<Paging> cut_into_pages(std::uint64_t count, std::size_t element_by
 /// memory not all of them.
 void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device, std::uint64_t page_bytes = 0);
 
-/// RC_STACK of kernels that cast rays, for CompiledScene::stack_bound(): up to a multiple of 32, so that small scenes
-/// of any depth share compiled kernels. What is not used of it costs nothing.
-constexpr std::uint32_t kernel_stack(std::uint32_t stack_bound) { return (stack_bound + 31) / 32 * 32; }
+/// RC_STACK of kernels that cast rays, for CompiledScene::stack_bound(): up to a multiple of 128, so that scenes of any
+/// depth share compiled kernels. What is not used of it costs nothing.
+constexpr std::uint32_t kernel_stack(std::uint32_t stack_bound) { return (stack_bound + 127) / 128 * 128; }
 
 /// Checked with check_fits before anything is copied.
 struct SceneBuffers {

@@ -1,7 +1,5 @@
 #include "host/render/tile_shape.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <string>
 
@@ -70,57 +68,65 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   return shape;
 }
 
-ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound) {
-  ProgramOptions out{"-cl-std=CL1.2", "-cl-std=CL1.2", "", "-cl-std=CL1.2"};
-  const auto text = [](const char* name, auto value) {
-    return " -D" + std::string(name) + "=" + std::to_string(value);
-  };
-  const auto both = [&](const char* name, int value) { out.trace += text(name, value), out.rows += text(name, value); };
-  const auto primary = [&](const char* name, int value) { out.primary += text(name, value); };
-  const auto trace = [&](const char* name, int value) { out.trace += text(name, value); };
-  const auto rays = [&](const char* name, int value) { primary(name, value), trace(name, value); };
-  const auto rows = [&](const char* name, int value) { out.rows += text(name, value); };
-  // A grid is compiled in, since its bundles hang on it. Else, and where rays go one by one, samples are arguments, and
-  // any number of them runs in the program of whole words of 16.
-  const bool scatter = shape.moving || shape.sampler != scene::SamplerKind::grid || shape.support_px != 1;
-  both("RC_CHUNK_SAMPLES", RC_PADDED(shape.chunk_samples));
-  primary("RC_CHUNK_SAMPLES", scatter ? RC_PADDED(shape.chunk_samples) : shape.chunk_samples);
-  primary("RC_SCATTER", scatter);
-  if (!scatter) primary("RC_NU", shape.samples_u), primary("RC_NV", shape.samples_v);
-  if (scatter && !shape.moving) out.primary += fmt::format(" -DRC_SUPPORT={:#.9g}f", shape.support_px);
-  both("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
-  primary("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
-  both("RC_SKY_PLANES", shape.sky_planes());
-  both("RC_COMPONENTS", shape.components);
-  both("RC_THERMAL_COMPONENTS", shape.thermal_components);
-  if (shape.lamps > 0) both("RC_LAMPS", shape.lamps);
-  if (shape.matter.shaped) both("RC_SHAPED", 1);
-  if (shape.matter.through) both("RC_THROUGH", 1);
-  if (shape.matter.plates) trace("RC_PLATES", 1);
-  if (shape.matter.glossy) both("RC_GLOSSY", 1);
-  if (shape.matter.further > 0) both("RC_FURTHER", shape.matter.further);
-  if (shape.matter.further_records > 0) both("RC_FURTHER_RECORDS", shape.matter.further_records);
-  rays("RC_STACK", static_cast<int>(kernel_stack(stack_bound)));
-  rays("RC_MOVING", shape.moving);
+shared::TileShape StageShape::arguments() const {
+  const auto count = [](auto value) { return static_cast<std::uint32_t>(value); };
+  const shared::TileElements elements = tile();
+  return {.near = count(elements.near),
+          .words = count(elements.words),
+          .own_sides = count(matter.sides() - matter.further),
+          .through = count(matter.through),
+          .further = count(matter.further),
+          .pixels_per_group = count(pixels_per_group),
+          .moving = count(moving),
+          .sky_planes = count(sky_planes()),
+          .sun = count(sun),
+          .components = count(components),
+          .thermal_components = count(thermal_components),
+          .lamps = count(lamps),
+          .temperatures = count(temperatures),
+          .heights = count(heights),
+          .views = count(views),
+          .path_x = count(path_x),
+          .path_y = count(path_y),
+          .channels = count(channels),
+          .materials = matter.materials,
+          .chunked = count(chunked()),
+          .covers = count(covers),
+          .skeleton = count(skeleton_padded()),
+          .lobe_albedo = count(lobe_albedo),
+          .pad = 0};
+}
+
+namespace {
+
+std::string define(const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
+
+}  // namespace
+
+std::string matter_options(const scene::CameraMatter& matter) {
+  std::string out;
+  if (matter.shaped)
+    out = define("RC_SHAPED", 1) + define("RC_THROUGH", 1) + define("RC_PLATES", 1) + define("RC_GLOSSY", 1);
+  else if (matter.through)
+    out = define("RC_THROUGH", 1);
+  if (matter.further_records > 0) out += define("RC_FURTHER_RECORDS", matter.further_records);
+  if (matter.shaped && matter.further_records > 0) out += define("RC_FURTHER", matter.further_records);
+  return out;
+}
+
+ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound, bool on_cpu) {
+  std::string all = "-cl-std=CL1.2";
+  if (!on_cpu)
+    all += define("RC_CHUNK_SAMPLES", RC_PADDED(shape.chunk_samples)) +
+           define("RC_MOST_LIGHTS", std::max(1, shape.sun + shape.components + shape.lamps));
+  const std::string matter = matter_options(shape.matter), stack = define("RC_STACK", kernel_stack(stack_bound));
+  // The plain grid has bundles of its own; where rays go one by one, how samples lie is no matter of the program.
+  const bool grid = !shape.moving && shape.sampler == scene::SamplerKind::grid && shape.support_px == 1;
+  ProgramOptions out{all + stack + define("RC_GRID", int{grid}), all + stack + matter, "", all + matter};
   if (shape.bounces) {
-    out.paths = out.trace + text("RC_SKELETON", shape.skeleton_padded()) + text("RC_SUN", shape.sun) +
-                text("RC_MATERIALS", static_cast<int>(shape.matter.materials));
-    if (shape.lobe_albedo) out.paths += text("RC_LOBE_ALBEDO", 1);
-    if (shape.path_steps > 0) out.paths += text("RC_PATH_LOG", 1);
+    out.paths = out.trace + define("RC_SKELETON", shape.skeleton_padded());
+    if (shape.path_steps > 0) out.paths += define("RC_PATH_LOG", 1);
   }
-  if (shape.first_opaque) trace("RC_FIRST_OPAQUE", 1);
-  if (shape.matter.sides() > 1 || shape.lobe_albedo) rows("RC_MATERIALS", static_cast<int>(shape.matter.materials));
-  if (shape.lobe_albedo) rows("RC_LOBE_ALBEDO", 1);
-  rows("RC_SUN", shape.sun);
-  rows("RC_TEMPERATURES", shape.temperatures);
-  rows("RC_HEIGHTS", shape.heights);
-  rows("RC_VIEWS", shape.views);
-  rows("RC_PATH_X", shape.path_x);
-  rows("RC_PATH_Y", shape.path_y);
-  rows("RC_CHANNELS", shape.channels);
-  rows("RC_CHUNKED", shape.chunked());
-  if (shape.covers) rows("RC_COVERS", 1);
-  rows("RC_SKELETON", std::max(shape.skeleton_padded(), RC_PADDED(1)));  // with few wavelengths as without any
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <algorithm>
 #include <string>
 
 #include "host/plan/plan.h"
@@ -19,7 +20,7 @@ inline constexpr int kMaxChunkSamples = 1024;
 /// Keys that a row of a pixel holds whose samples come in chunks: it cannot be relaunched.
 inline constexpr std::size_t kChunkedCapacity = 256;
 
-/// The sizes every stage is specialised for.
+/// The sizes that every stage works with.
 struct StageShape {
   int samples = 1;                                        ///< of a pixel, all chunks
   int samples_u = 1, samples_v = 1;                       ///< along and across the line
@@ -45,7 +46,7 @@ struct StageShape {
   bool environment = false;    ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int sources() const { return sun + components + lamps + temperatures; }
-  int skeleton_padded() const { return RC_PADDED(skeleton); }
+  int skeleton_padded() const { return std::max(RC_PADDED(skeleton), RC_WORD); }
   int sky_planes() const { return RC_SKY_PLANES_OF(components + lamps); }
   int accumulators() const { return RC_ROW_ACCUMULATORS(sources(), heights); }
   /// Elements of a pixel in the buffers of a chunk.
@@ -54,6 +55,8 @@ struct StageShape {
             static_cast<std::size_t>(matter.sides()),
             bounces ? static_cast<std::size_t>((1 + lamps) * skeleton_padded()) : 0};
   }
+  /// The same as kernels are told.
+  shared::TileShape arguments() const;
   /// Elements of an item in the buffers of rows.
   shared::RowElements rows(std::size_t capacity) const {
     return {capacity, static_cast<std::size_t>(accumulators()), static_cast<std::size_t>(heights), chunked()};
@@ -87,10 +90,14 @@ struct ProgramOptions {
   std::string rows;     ///< of kernels/entry/rows.cl: shading and what follows
 };
 
-/// From one list, so that what one program writes the other reads; none has what its kernels do not, since every option
-/// is another compilation. stack_bound: CompiledScene::stack_bound().
-/// Those of the scene's arrays (SceneBuffers::options) are not in it.
-ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound);
+/// Few: every option is another compilation, and what images differ in by number is in StageShape::arguments().
+/// stack_bound: CompiledScene::stack_bound(); on_cpu: a kernel's own arrays have room for the largest image, which
+/// costs nothing there; elsewhere for this one. Options of the scene's arrays (SceneBuffers::options) are not here.
+ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound, bool on_cpu);
+
+/// Build options of the matter that a scene has, for the kernels of cameras and photons: Lambert's law alone, leaves
+/// beside it, or all there is; and further lobes.
+std::string matter_options(const scene::CameraMatter& matter);
 
 /// A rectangle of pixels: full-width strips of lines, or parts of one line when a line exceeds the budget.
 struct Tile {

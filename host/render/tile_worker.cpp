@@ -107,9 +107,10 @@ void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced
   probe.hit_primitive.resize(pixels * samples);
   for (std::size_t p = 0; p < pixels; ++p)
     for (std::size_t s = first; s < end; ++s) {
-      const std::uint32_t* at = hits.data() + p * traced.elements.hits + (s - first);
-      probe.hit_instance[p * samples + s] = at[RC_HIT_INSTANCE * traced.elements.near];
-      probe.hit_primitive[p * samples + s] = at[RC_HIT_PRIMITIVE * traced.elements.near];
+      const std::uint32_t* of_pixel = hits.data() + p * traced.elements.hits;
+      const auto plane = [&](std::size_t number) { return of_pixel[shared::TileElements::hits_at(number, s - first)]; };
+      probe.hit_instance[p * samples + s] = plane(RC_HIT_INSTANCE);
+      probe.hit_primitive[p * samples + s] = plane(RC_HIT_PRIMITIVE);
     }
 }
 
@@ -132,7 +133,8 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
         const std::size_t slot = side * traced_.elements.near + s - first, to = (p * sides + side) * samples + s;
         probe.sun_visible[to] = (sun[p * traced_.elements.sun + slot / RC_WORD] >> (slot % RC_WORD)) & 1u;
         for (int m = 0; m < shape.components + shape.lamps; ++m)
-          probe.sky_met[planes * to + m] = met[p * traced_.elements.met_sky + m * traced_.elements.padded + slot];
+          probe.sky_met[planes * to + m] =
+              met[p * traced_.elements.met_sky + traced_.elements.met_sky_at(static_cast<std::size_t>(m), slot)];
       }
   if (shape.path_steps > 0 && chunk + 1 == shape.chunks) collect_paths(probe);
 }

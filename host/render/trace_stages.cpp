@@ -138,16 +138,16 @@ struct TraceStages::State {
         buffers(buffers_),
         plan(plan_),
         shape(shape_),
+        tile(shape_.arguments()),
         seed(static_cast<std::uint32_t>(seed_)),
         lowest(static_cast<float>(scene.lo[2])),
-        primary_options(program_options(shape_, scene.stack_bound()).primary + buffers_.options),
-        options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
-        path_options(program_options(shape_, scene.stack_bound()).paths + buffers_.options),
+        primary_options(options_of(shape_, scene).primary + buffers_.options),
+        options(options_of(shape_, scene).trace + buffers_.options),
+        path_options(options_of(shape_, scene).paths + buffers_.options),
         identity(sampling.text() + identity_of("trace_primary", primary_options) + identity_of("trace_light", options) +
                  (shape_.bounces ? identity_of("trace_bounce", path_options) : "")),
         surfaces_identity(sampling.text() + identity_of("trace_primary", primary_options) +
-                          identity_of("trace_light", program_options(without_sky(shape_), scene.stack_bound()).trace +
-                                                         buffers_.options)),
+                          identity_of("trace_light", options_of(without_sky(shape_), scene).trace + buffers_.options)),
         primary_program(context_.program("trace_primary", kernels::kernel_source("trace_primary"), primary_options)),
         program(context_.program("trace_light", kernels::kernel_source("trace_light"), options)),
         primary(*primary_program, "trace_primary"),
@@ -162,6 +162,9 @@ struct TraceStages::State {
     if (shape.bounces) paths.emplace(context, path_options, plan, shape, std::move(weights_));
   }
 
+  ProgramOptions options_of(const StageShape& of, const scene::CompiledScene& scene) const {
+    return program_options(of, scene.stack_bound(), context.device().info().is_cpu);
+  }
   /// How a pixel's samples lie, as kernels take it.
   struct Sampling {
     explicit Sampling(const StageShape& shape)
@@ -180,7 +183,8 @@ struct TraceStages::State {
   }
   bool sends_to_sky() const { return shape.sky_shadows && plan.components() > 0; }
   const cl::Kernel& primary_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
-    return primary.arguments(TracePrimaryArguments{.nodes = buffers.nodes,
+    return primary.arguments(TracePrimaryArguments{.tile = tile,
+                                                   .nodes = buffers.nodes,
                                                    .blocks = buffers.blocks,
                                                    .instances = buffers.instances,
                                                    .groups = traced.groups,
@@ -206,7 +210,8 @@ struct TraceStages::State {
     return {buffers.skyline.x_m, buffers.skyline.y_m, buffers.skyline.per_cell, 0};
   }
   const cl::Kernel& sun_of(const TileLayout& layout, TraceBuffers& traced) {
-    return sun.arguments(TraceSunArguments{.nodes = buffers.nodes,
+    return sun.arguments(TraceSunArguments{.tile = tile,
+                                           .nodes = buffers.nodes,
                                            .blocks = buffers.blocks,
                                            .instances = buffers.instances,
                                            .groups = traced.groups,
@@ -224,7 +229,8 @@ struct TraceStages::State {
   const cl::Kernel& sky_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
     const SkyDensity law = plan::sky_density(plan);
     return sky.arguments(
-        TraceSkyArguments{.nodes = buffers.nodes,
+        TraceSkyArguments{.tile = tile,
+                          .nodes = buffers.nodes,
                           .blocks = buffers.blocks,
                           .instances = buffers.instances,
                           .lobes = buffers.lobes,
@@ -261,7 +267,8 @@ struct TraceStages::State {
   }
 
   const cl::Kernel& lamps_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
-    return lamps->arguments(TraceLampsArguments{.nodes = buffers.nodes,
+    return lamps->arguments(TraceLampsArguments{.tile = tile,
+                                                .nodes = buffers.nodes,
                                                 .blocks = buffers.blocks,
                                                 .instances = buffers.instances,
                                                 .lobes = buffers.lobes,
@@ -285,7 +292,8 @@ struct TraceStages::State {
   const cl::Kernel& paths_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
     paths->load(context, chunk, first_sample(chunk), sample_count(chunk));
     return paths->kernel.arguments(
-        TraceBounceArguments{.nodes = buffers.nodes,
+        TraceBounceArguments{.tile = tile,
+                             .nodes = buffers.nodes,
                              .blocks = buffers.blocks,
                              .instances = buffers.instances,
                              .surfaces = buffers.surfaces,
@@ -341,6 +349,7 @@ struct TraceStages::State {
   const SceneBuffers& buffers;
   const plan::Plan& plan;
   StageShape shape;
+  shared::TileShape tile;
   Sampling sampling{shape};
   std::uint32_t seed, sky_draw = 0;
   float lowest;  ///< z of the scene, m
@@ -398,7 +407,8 @@ TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group)
 void TraceStages::run_first_opaque(const TileLayout& layout, int chunk, const TraceBuffers& traced,
                                    cl::Buffer<std::uint32_t>& opaque) {
   State& s = *state_;
-  s.context.launch(s.opaque->arguments(FirstOpaqueArguments{.nodes = s.buffers.nodes,
+  s.context.launch(s.opaque->arguments(FirstOpaqueArguments{.tile = s.tile,
+                                                            .nodes = s.buffers.nodes,
                                                             .blocks = s.buffers.blocks,
                                                             .instances = s.buffers.instances,
                                                             .lobes = s.buffers.lobes,
@@ -442,7 +452,8 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
     s.zeroed = &traced;
   }
   launch("trace_primary", s.primary_of(layout, chunk, traced));
-  launch("make_surface", s.surface.arguments(MakeSurfaceArguments{.blocks = s.buffers.blocks,
+  launch("make_surface", s.surface.arguments(MakeSurfaceArguments{.tile = s.tile,
+                                                                  .blocks = s.buffers.blocks,
                                                                   .instances = s.buffers.instances,
                                                                   .lobes = s.buffers.lobes,
                                                                   .groups = traced.groups,

@@ -44,13 +44,13 @@ RC_BODY first_opaque_body(uint index, RC_PARAMETERS(RC_FIRST_OPAQUE_ARGUMENTS)) 
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const GroupPlace place = rc_group_place(groups, index, columns);
+  const GroupPlace place = rc_group_place(&tile, groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   const Sampling sampling = RC_GATHER_SAMPLING();
   for (uint p = 0; p < place.used; ++p)
-    for (uint word = 0; word < RC_NEAR_WORDS; ++word) {
-      global const uint* in = hits + RC_HITS_AT(place.pixel + p) + word * 16u;
-      global uint* out = opaque + RC_FIRST_OPAQUE_AT(place.pixel + p) + word * 16u;
+    for (uint word = 0; word < rc_near_words(&tile); ++word) {
+      global const uint* in = hits + rc_hits_at(&tile, place.pixel + p) + word * RC_HIT_WORD;
+      global uint* out = opaque + rc_first_opaque_at(&tile, place.pixel + p) + word * RC_WORD;
       uint live = 0;
       Rays16 rays;
       Ends16 ends;
@@ -58,7 +58,7 @@ RC_BODY first_opaque_body(uint index, RC_PARAMETERS(RC_FIRST_OPAQUE_ARGUMENTS)) 
         float a, b;
         rc_group_sample(sampling, seed, place.number + p, p, first_sample + word * 16u + k, &a, &b);
         rc_put_ray(&rays, k, group.origin + rc_group_offset(group, a, b), normalize(rc_group_direction(group, a, b)));
-        out[k] = in[k] == RC_NONE ? RC_NONE : in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k];
+        out[k] = in[k] == RC_NONE ? RC_NONE : in[RC_PLANE(RC_HIT_PRIMITIVE) + k];
         ends.instance[k] = in[k], ends.primitive[k] = out[k];
         if (in[k] != RC_NONE) live |= 1u << k;
       }

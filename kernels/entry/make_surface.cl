@@ -19,19 +19,21 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
   SceneArrays scene;
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const GroupPlace place = rc_group_place(groups, index, columns);
+  const GroupPlace place = rc_group_place(&tile, groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   const Sampling sampling = RC_GATHER_SAMPLING();
   for (uint p = 0; p < place.used; ++p)
-    for (uint word = 0; word < RC_NEAR_WORDS; ++word) {
-      global const uint* in = hits + RC_HITS_AT(place.pixel + p) + word * 16u;
-      global float* out = surface + RC_SURFACE_AT(place.pixel + p) + word * 16u;
+    for (uint word = 0; word < rc_near_words(&tile); ++word) {
+      global const uint* in = hits + rc_hits_at(&tile, place.pixel + p) + word * RC_HIT_WORD;
+      global float* pixel_out = surface + rc_surface_at(&tile, place.pixel + p);
+      global float* pixel_moved = lift + rc_lift_at(&tile, place.pixel + p);
+      global float* out = pixel_out + word * RC_SURFACE_WORD;
       Gathered g;
       uint left = 0;
       RC_LINE float a[16], b[16];
       rc_group_samples(sampling, seed, place.number + p, p, first_sample + word * 16u, a, b);
       for (uint k = 0; k < 16u; ++k) {
-        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k];
+        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_PLANE(RC_HIT_PRIMITIVE) + k];
         global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
         left |= in[k] == RC_NONE ? 0u : 1u << k;
 #pragma unroll
@@ -56,7 +58,7 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
       const Vector16 direction = {rc_load16(0, g.direction[0]), rc_load16(0, g.direction[1]),
                                   rc_load16(0, g.direction[2])};
 #if RC_THROUGH
-      const uint through = rc_let_through(scene, lobes, in);
+      const uint through = tile.through ? rc_let_through(scene, lobes, in) : 0u;
       const Vector16 backwards = {-direction.x, -direction.y, -direction.z};
       SurfaceSide16 far;
       rc_clear_side(&far);
@@ -71,21 +73,29 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
           rc_find_side(rc_instance(scene, instance), v, origin, backwards, lanes & rc_bits16(through), &far);
 #endif
       }
-      global float* moved = lift + RC_LIFT_AT(place.pixel + p) + word * 16u;
-      rc_store_side(&near, out, moved);
+      rc_store_side(&near, out, pixel_moved + word * RC_WORD);
 #if RC_SHAPED
       rc_store_shapes(scene, in, direction, out);
 #endif
 #if RC_THROUGH
-      rc_store_side(&far, out + RC_NEAR_SAMPLES, moved + RC_NEAR_SAMPLES);
-      rc_clear_shapes(out + RC_NEAR_SAMPLES);
+      if (tile.through) {
+        const uint slot = rc_slot_of_side(&tile, word * RC_WORD, RC_FAR_SIDE);
+        rc_store_side(&far, pixel_out + rc_surface_slot(slot), pixel_moved + slot);
+        rc_clear_shapes(pixel_out + rc_surface_slot(slot));
+      }
 #endif
 #if RC_GLOSSY
-      rc_store_gloss(scene, lobes, in, direction, &near, out + RC_SLOT_OF(0u, RC_GLOSS_SIDE),
-                     moved + RC_SLOT_OF(0u, RC_GLOSS_SIDE));
+      if (tile.own_sides > 1u + tile.through) {
+        const uint slot = rc_slot_of_side(&tile, word * RC_WORD, RC_GLOSS_SIDE);
+        rc_store_gloss(scene, lobes, in, direction, &near, pixel_out + rc_surface_slot(slot), pixel_moved + slot);
+      }
 #endif
 #if RC_FURTHER
-      rc_store_further(scene, lobes, in, direction, &near, out, moved);
+      for (uint number = 0; number < tile.further; ++number) {
+        const uint slot = rc_slot_of_side(&tile, word * RC_WORD, RC_FURTHER_SIDE + number);
+        rc_store_further(scene, lobes, in, direction, &near, number, pixel_out + rc_surface_slot(slot),
+                         pixel_moved + slot);
+      }
 #endif
     }
 }

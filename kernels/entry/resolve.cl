@@ -36,32 +36,32 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
     return;
   }
   __global const ulong* keys = row_keys + (size_t)item * capacity;
-  __global const float* sums = row_sums + RC_SUMS_AT(item, capacity);
-  __global const float* path = path_sums + RC_PATH_AT(item);
+  __global const float* sums = row_sums + rc_sums_at(&tile, item, capacity);
+  __global const float* path = path_sums + rc_path_at(&tile, item);
   __global uint* rows = term_row + (size_t)item * term_capacity;
   __global float* weights = term_weight + (size_t)item * term_capacity;
 
   /* View geometry of the pixel's centre ray. */
-  __global const RayGroup* group = groups + rc_group_of(pixel, columns, RC_PIXELS_PER_GROUP);
-  const float a = rc_place_in_group(pixel, columns, RC_PIXELS_PER_GROUP);
+  __global const RayGroup* group = groups + rc_group_of(pixel, columns, tile.pixels_per_group);
+  const float a = rc_place_in_group(pixel, columns, tile.pixels_per_group);
   const float dx = fma(a, group->du.x, group->d0.x), dy = fma(a, group->du.y, group->d0.y);
   const float dz = fma(a, group->du.z, group->d0.z);
   const float length = sqrt(fma(dx, dx, fma(dy, dy, dz * dz)));
   int iv, ix, iy;
   float fv, fx, fy;
-  rc_node_weights(-length / dz, view_first, view_step, RC_VIEWS, &iv, &fv);
-  rc_node_weights(-dx / length, path_x_first, path_x_step, RC_PATH_X, &ix, &fx);
-  rc_node_weights(-dy / length, path_y_first, path_y_step, RC_PATH_Y, &iy, &fy);
+  rc_node_weights(-length / dz, view_first, view_step, (int)tile.views, &iv, &fv);
+  rc_node_weights(-dx / length, path_x_first, path_x_step, (int)tile.path_x, &ix, &fx);
+  rc_node_weights(-dy / length, path_y_first, path_y_step, (int)tile.path_y, &iy, &fy);
 
   uint n = 0;
-  const uint path_base = baked_row(baked_keys, baked_rows, baked_count, 0ul) * RC_CHANNELS;
-  for (int h = 0; h < RC_HEIGHTS; ++h) {
-    const float sum = rc_sum_of(path, RC_HEIGHTS, h);
-    for (int y = 0; y < min(2, RC_PATH_Y); ++y)
-      for (int x = 0; x < min(2, RC_PATH_X); ++x) {
+  const uint path_base = baked_row(baked_keys, baked_rows, baked_count, 0ul) * tile.channels;
+  for (uint h = 0; h < tile.heights; ++h) {
+    const float sum = rc_sum_of(&tile, path, tile.heights, h);
+    for (int y = 0; y < min(2, (int)tile.path_y); ++y)
+      for (int x = 0; x < min(2, (int)tile.path_x); ++x) {
         const float w = sum * (weight_of(x, fx) * weight_of(y, fy));
         if (w == 0.0f) continue;
-        rows[n] = path_base + (uint)((h * RC_PATH_Y + iy + y) * RC_PATH_X + ix + x);
+        rows[n] = path_base + (h * tile.path_y + (uint)(iy + y)) * tile.path_x + (uint)(ix + x);
         weights[n++] = w;
       }
   }
@@ -70,18 +70,19 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   for (uint node = 0; node < environment_nodes; ++node) {
     const float share = environment_weight[item * RC_ENVIRONMENT_NODES + node];
     if (share == 0.0f) continue;
-    const uint base = environment_row[item * RC_ENVIRONMENT_NODES + node] * RC_CHANNELS;
-    for (int h = 0; h < RC_HEIGHTS; ++h) {
-      const float sum = rc_sum_of(path, RC_HEIGHTS, h);
-      for (int v = 0; v < min(2, RC_VIEWS); ++v) {
+    const uint base = environment_row[item * RC_ENVIRONMENT_NODES + node] * tile.channels;
+    for (uint h = 0; h < tile.heights; ++h) {
+      const float sum = rc_sum_of(&tile, path, tile.heights, h);
+      for (int v = 0; v < min(2, (int)tile.views); ++v) {
         const float w = sum * (share * weight_of(v, fv));
         if (w == 0.0f) continue;
-        rows[n] = base + (uint)(h * RC_VIEWS + iv + v);
+        rows[n] = base + h * tile.views + (uint)(iv + v);
         weights[n++] = w;
       }
     }
   }
   /* Keys ascending: each time the smallest key above the last one. Rows are short. */
+  const uint count = rc_accumulators(&tile);
   ulong last = 0ul;
   for (uint used = 0; used < keys_used; ++used) {
     uint best = 0;
@@ -89,35 +90,35 @@ RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
     for (uint k = 0; k < keys_used; ++k)
       if (keys[k] > last && keys[k] < key) key = keys[k], best = k;
     last = key;
-    __global const float* row = sums + RC_SUMS_OF_KEY(best);
-    const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;
-    for (int i = 0; i < RC_SOURCES * RC_HEIGHTS; ++i) {
-      const float sum = rc_sum_of(row, RC_ACCUMULATORS, i);
-      for (int v = 0; v < min(2, RC_VIEWS); ++v) {
+    __global const float* row = sums + rc_sums_of_key(&tile, best);
+    const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * tile.channels;
+    for (uint i = 0; i < count - 1u; ++i) {
+      const float sum = rc_sum_of(&tile, row, count, i);
+      for (int v = 0; v < min(2, (int)tile.views); ++v) {
         const float w = sum * weight_of(v, fv);
         if (w == 0.0f) continue;
-        rows[n] = base + (uint)(i * RC_VIEWS + iv + v);
+        rows[n] = base + i * tile.views + (uint)(iv + v);
         weights[n++] = w;
       }
     }
-#if RC_COVERS
-    rows[n] = base + (uint)(RC_SOURCES * RC_HEIGHTS * RC_VIEWS);
-    weights[n++] = rc_sum_of(row, RC_ACCUMULATORS, RC_ACCUMULATORS - 1);
-#endif
+    if (tile.covers) {
+      rows[n] = base + (count - 1u) * tile.views;
+      weights[n++] = rc_sum_of(&tile, row, count, count - 1u);
+    }
   }
   /* Light between surfaces, where there is any: the pixel's own mean over the height nodes stands for where it was
    * scattered last. */
-  for (uint row = 0; row < (1u + RC_LAMPS) * skeleton_rows; ++row) {
-    const uint m = row / skeleton_rows * RC_SKELETON + row % skeleton_rows;
+  for (uint row = 0; row < (1u + tile.lamps) * skeleton_rows; ++row) {
+    const uint m = row / skeleton_rows * tile.skeleton + row % skeleton_rows;
     float sum = 0.0f;
-    for (uint part = 0; part < RC_PATH_PARTS; ++part) sum += glow[RC_GLOW_AT(pixel, part) + m];
+    for (uint part = 0; part < RC_PATH_PARTS; ++part) sum += glow[rc_glow_at(&tile, pixel, part) + m];
     if (glow_part < RC_PATH_PARTS)
-      sum = fma(glow_spread, fma(glow_scale, glow[RC_GLOW_AT(pixel, glow_part) + m], -sum), sum);
-    for (uint h = 0; h < RC_HEIGHTS; ++h)
-      for (int v = 0; v < min(2, RC_VIEWS); ++v) {
-        const float w = sum * (rc_sum_of(path, RC_HEIGHTS, h) * weight_of(v, fv));
+      sum = fma(glow_spread, fma(glow_scale, glow[rc_glow_at(&tile, pixel, glow_part) + m], -sum), sum);
+    for (uint h = 0; h < tile.heights; ++h)
+      for (int v = 0; v < min(2, (int)tile.views); ++v) {
+        const float w = sum * (rc_sum_of(&tile, path, tile.heights, h) * weight_of(v, fv));
         if (w == 0.0f) continue;
-        rows[n] = (skeleton_row + row) * RC_CHANNELS + h * RC_VIEWS + (uint)(iv + v);
+        rows[n] = (skeleton_row + row) * tile.channels + h * tile.views + (uint)(iv + v);
         weights[n++] = w;
       }
   }

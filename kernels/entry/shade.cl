@@ -18,33 +18,28 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
   if (item >= item_count) return;
   if (!fresh && row_count[item] == RC_ROW_OVERFLOW) return;
   const uint pixel = use_list ? pixel_list[item] : item; /* index in the tile's inputs; outputs go by item */
-  const TracedPixel traced = {hits + RC_HITS_AT(pixel),
-                              hits + RC_HITS_AT(pixel) + RC_HIT_PLANE(RC_HIT_PRIMITIVE),
-                              surface + RC_SURFACE_AT(pixel),
-                              lift + RC_LIFT_AT(pixel),
-                              sun + RC_SUN_AT(pixel),
-                              met_sky + RC_MET_SKY_AT(pixel),
-                              chunk_weight};
-  PixelRow row =
-      rc_open_row(fresh, row_count[item], capacity, row_keys + (size_t)item * capacity,
-                  row_sums + RC_SUMS_AT(item, capacity), path_sums + RC_PATH_AT(item), truth + RC_TRUTH_AT(item));
-  const RayGroup rays = groups[rc_group_of(pixel, columns, RC_PIXELS_PER_GROUP)];
+  const TracedPixel traced = {hits + rc_hits_at(&tile, pixel),       surface + rc_surface_at(&tile, pixel),
+                              lift + rc_lift_at(&tile, pixel),       sun + rc_sun_at(&tile, pixel),
+                              met_sky + rc_met_sky_at(&tile, pixel), chunk_weight};
+  PixelRow row = rc_open_row(&tile, fresh, row_count[item], capacity, row_keys + (size_t)item * capacity,
+                             row_sums + rc_sums_at(&tile, item, capacity), path_sums + rc_path_at(&tile, item),
+                             truth + rc_truth_at(&tile, item));
+  const RayGroup rays = groups[rc_group_of(pixel, columns, tile.pixels_per_group)];
   const float4 sensor = fma((float4)(-rays.d0.w), rays.d0, rays.origin); /* of a moving pose: at the pixel's middle */
 
   const OpenSky sky = {irradiance_map, (int)map_size, tilt_irradiance, open_share RC_GATHER_ALBEDOS()};
   ShadedSamples samples;
-  rc_light_of_samples(scene, &traced, lobes, &sky, height_first, height_step, &samples);
+  rc_light_of_samples(scene, &tile, &traced, lobes, &sky, height_first, height_step, &samples);
   TruthSums sums;
   rc_clear_truth(&sums);
-  for (int g = 0; g < RC_WORDS; ++g) {
-    const ShadedWord word = rc_shaded_word(&traced, &samples, sun_direction, g);
-    rc_weigh_seen_light(&traced, lobes, &word, sun_direction, g, &samples);
-    if (g >= RC_NEAR_WORDS) continue; /* truth and path are of what is seen */
-    rc_add_truth(&traced, &word, sensor, g, &sums);
-    rc_add_path(&word, &samples, g, &sums);
+  for (uint g = 0; g < tile.words; ++g) {
+    const ShadedWord word = rc_shaded_word(&tile, &traced, &samples, sun_direction, g);
+    rc_weigh_seen_light(&tile, &traced, lobes, &word, sun_direction, g, &samples);
+    if (g < rc_near_words(&tile)) rc_add_truth(&traced, &word, sensor, g, &sums); /* of what is seen */
   }
-  rc_close_truth(&sums, sample_total, &row);
-  rc_deposit_surfaces(scene, &traced, surface_node, sample_total, &samples, &row);
+  rc_add_paths(&tile, &traced, &samples, sample_total, &row);
+  rc_close_truth(&tile, &sums, sample_total, &row);
+  rc_deposit_surfaces(scene, &tile, &traced, surface_node, sample_total, &samples, &row);
   row_count[item] = row.count;
 }
 

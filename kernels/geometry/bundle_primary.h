@@ -18,17 +18,10 @@
 static inline bool rc_primary_group(SceneArrays scene, GroupFrame* frame, uint budget, Closest* closest) {
   GroupFrame placed; /* the group in the frame of an instance that is moved */
   Cull world_cull, placed_cull;
-  frame->world = placed.world = frame->rays;
+  frame->world = frame->rays;
   frame->same = true;
+  placed = *frame;
   placed.same = false;
-#if RC_SCATTER
-  placed.samples = frame->samples;
-#else
-  placed.sampling = frame->sampling;
-  placed.first_row = frame->first_row;
-  placed.rows = frame->rows;
-  placed.columns = frame->columns;
-#endif
   rc_frame_group(scene, 0u, frame, &world_cull);
   placed.map.near_0 = frame->map.near_0;
   placed.map.near_1 = frame->map.near_1;

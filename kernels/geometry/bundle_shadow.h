@@ -6,17 +6,18 @@
 #include "kernels/geometry/bundle.h"
 
 #define RC_BLOCK_COST 4u /* setting up a block, in candidate triangles */
-#define RC_POINTS (RC_PIXELS_PER_GROUP * RC_PADDED_SAMPLES)
-#define RC_POINT_WORDS (RC_POINTS / 16)
-#define RC_WORD_SLOTS ((RC_POINT_WORDS + 15) / 16 * 16)
+/* Most points of a group, and of their words. Two cache lines more, so that arrays that are read together do not fall
+ * into the same sets of a cache. */
+#define RC_POINTS (RC_GROUP_WIDTH * RC_MOST_OWN_SIDES * RC_NEAR_SAMPLES + 32)
+#define RC_WORD_SLOTS ((RC_POINTS / 16 + 15) / 16 * 16)
 typedef struct Points {
   float x[RC_POINTS], y[RC_POINTS], z[RC_POINTS]; /* scene frame, m */
   float a[RC_POINTS], b[RC_POINTS],
       d[RC_POINTS]; /* plane coordinates and distance along the direction, m, about `centre` */
   float lo_a[RC_WORD_SLOTS], hi_a[RC_WORD_SLOTS], lo_b[RC_WORD_SLOTS], hi_b[RC_WORD_SLOTS], lo_d[RC_WORD_SLOTS];
-  uint live[RC_WORD_SLOTS]; /* bits of points that are neither blocked nor out of use */
-  uint ground;              /* an instance that none of their rays meets; RC_NONE: nothing is known */
-  uint words;
+  uint live[RC_WORD_SLOTS];                   /* bits of points that are neither blocked nor out of use */
+  uint ground;                                /* an instance that none of their rays meets; RC_NONE: nothing is known */
+  uint words, word_slots;                     /* of points; the same rounded up to whole words of words */
   uint costly;                                /* bit t % 32: bundles through tree t did not pay; start with 0 */
   float4 centre, towards, across_a, across_b; /* scene frame; unit vectors */
 } RC_LINE Points;
@@ -201,7 +202,7 @@ __attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, 
     const float16 band = form.band[lane], depth = depth_bands[lane];
     for (uint base = 0; base < points->words; base += 32u) {
       uint touched = 0; /* of 32 words: one loop of unforeseeable length, not two */
-      for (uint first = 0; first < 32u && base + first < RC_WORD_SLOTS; first += 16u) {
+      for (uint first = 0; first < 32u && base + first < points->word_slots; first += 16u) {
         const uint at = base + first;
         touched |= rc_mask16((rc_load16(0, points->lo_a + at) <= box.hi_a[lane]) &
                              (rc_load16(0, points->hi_a + at) >= box.lo_a[lane]) &

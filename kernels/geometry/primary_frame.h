@@ -7,23 +7,18 @@
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/user_order.h"
 
-/* Half the field that a group's samples cover, pixels. */
-#define RC_HALF_A (0.5f * (float)(RC_PIXELS_PER_GROUP - 1) + 0.5f * RC_SUPPORT)
-#define RC_HALF_B (0.5f * RC_SUPPORT)
-
-#if !RC_SCATTER
+#ifndef RC_GROUP_PIXELS
+#define RC_GROUP_PIXELS RC_GROUP_WIDTH /* most pixels of a group */
+#endif
+#if RC_GRID
 /* Sample grid of a group: the pixels of a line side by side, kept in tiles of 4 x 4 samples, four tiles at a time. */
-#define RC_GRID_COLUMNS (RC_PIXELS_PER_GROUP * RC_NU)
-#define RC_GRID_ROWS (RC_CHUNK_SAMPLES / RC_NU)
-#define RC_TILE_COLUMNS ((RC_GRID_COLUMNS + 15) / 16 * 4)
-#define RC_TILE_ROWS ((RC_GRID_ROWS + 3) / 4)
 #define RC_SMALL 3
-#define RC_SLOTS (16 * RC_TILE_COLUMNS * RC_TILE_ROWS)
+/* Samples of whole tiles, at most: of one row of samples a pixel each tile has three empty ones. */
+#define RC_SLOTS (4 * RC_GROUP_PIXELS * RC_NEAR_SAMPLES + 64)
 #else
-/* Samples anywhere in the field: pixel p's sample k has slot p * RC_NEAR_SAMPLES + k; words of 16 carry their
- * bounds. */
-#define RC_SLOTS (RC_PIXELS_PER_GROUP * RC_NEAR_SAMPLES)
-#define RC_SAMPLE_WORDS (RC_SLOTS / 16)
+/* Samples anywhere in the field: pixel p's sample k has slot p * near + k; words of 16 carry their bounds. */
+#define RC_SLOTS (RC_GROUP_PIXELS * RC_NEAR_SAMPLES)
+#define RC_SAMPLE_WORDS (RC_SLOTS / 16) /* most of them */
 #define RC_BOUND_SLOTS ((RC_SAMPLE_WORDS + 15) / 16 * 16)
 typedef struct Scatter {
   float a[RC_SLOTS], b[RC_SLOTS]; /* INFINITY: no sample */
@@ -47,18 +42,23 @@ typedef struct GroupFrame {
   float4 l0, l1, l2; /* local_from_world */
   bool same;         /* the frame is the scene's */
   Projection map;
-#if RC_SCATTER
-  const RC_SAMPLE_SPACE Scatter* samples;
-#else
+  float half_a, half_b; /* half the field that the group's samples cover, pixels */
+#if RC_GRID
   Sampling sampling;
-  uint first_row, rows; /* of the chunk */
-  uint columns;         /* of the pixels that exist */
+  uint first_row, rows;                                 /* of the chunk */
+  uint columns;                                         /* of the pixels that exist */
+  uint tile_columns;                                    /* tiles side by side, of all pixels */
+  float grid_columns;                                   /* samples side by side, of all pixels */
+  float column_step, column_first, row_step, row_first; /* a = column_first + column * column_step, b likewise */
+#else
+  const RC_SAMPLE_SPACE Scatter* samples;
+  uint words; /* of the samples */
 #endif
 } GroupFrame;
 
 /* Samples that the linear forms leave open, each with a triangle of the frame's mesh: decided 16 at a time. */
 typedef struct Open {
-  uint primitive[16], sample[16]; /* sample: slot (RC_SCATTER), or row * 65536 + column */
+  uint primitive[16], sample[16]; /* sample: slot, or in the grid row * 65536 + column */
   uint count;
 } Open;
 
@@ -77,8 +77,8 @@ static inline float4 rc_frame_offset(const GroupFrame* frame, float a, float b) 
 
 /* Largest components of the ways from the group's start to points in its field, over their z; far: the largest (z -
  * ahead) / z. */
-static inline float4 rc_field(RayGroup g, float far) {
-  return far * fabs(g.d0) + RC_HALF_A * fabs(g.du) + RC_HALF_B * fabs(g.dv);
+static inline float4 rc_field(const GroupFrame* frame, float far) {
+  return far * fabs(frame->world.d0) + frame->half_a * fabs(frame->world.du) + frame->half_b * fabs(frame->world.dv);
 }
 
 /* The most that the tree below a root reaches beyond the group's start, z - ahead, or beyond it all. */
@@ -124,12 +124,12 @@ static inline void rc_frame_group(SceneArrays scene, uint root, GroupFrame* fram
   frame->map.b = b * scale;
   frame->map.z = z * scale;
   frame->map.ahead = frame->world.d0.w;
-  const float half_a = RC_HALF_A, half_b = RC_HALF_B;
+  const float half_a = frame->half_a, half_b = frame->half_b;
   const float beyond = frame->map.ahead > 0.0f ? rc_reach_beyond(&frame->map, rc_node(scene, root)) : 1.0f,
               far = beyond / (beyond + frame->map.ahead);
   if (frame->same) rc_set_nearness(&frame->map, 1.01f * beyond + 1.0f);
   const float4 span = fabs(du) + fabs(dv);
-  float4 field = rc_field(frame->world, far);
+  float4 field = rc_field(frame, far);
   if (!frame->same) field = rc_map_vector(fabs(frame->l0), fabs(frame->l1), fabs(frame->l2), field);
   const float size = fmax(rc_sum3(rc_sum_products(frame->map.a, field)), rc_sum3(rc_sum_products(frame->map.b, field)));
   const float depth = rc_sum3(rc_sum_products(frame->map.z, field));
@@ -166,7 +166,7 @@ static inline void rc_keep(SceneArrays scene, Closest* closest, uint slot, float
 /* Of the lanes that have no linear form, those that the group can see: not all behind, not all beyond one side. */
 static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* block, int16 lanes) {
   global const float* at = (global const float*)block;
-  const float edge_a = RC_HALF_A + 2.0f * frame->map.error, edge_b = RC_HALF_B + 2.0f * frame->map.error;
+  const float edge_a = frame->half_a + 2.0f * frame->map.error, edge_b = frame->half_b + 2.0f * frame->map.error;
   int16 back = -1, left = -1, right = -1, above = -1, below = -1;
   for (int i = 0; i < 3; ++i) {
     const float16 x = rc_load16(0, at + 48 * i) - frame->map.origin.x,
@@ -184,21 +184,21 @@ static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* blo
   return rc_mask16(lanes & ~(back | left | right | above | below));
 }
 
-#if RC_SCATTER
-static inline uint rc_open_slot(uint sample) { return sample; }
+#if !RC_GRID
+static inline uint rc_open_slot(const GroupFrame* frame, uint sample) { return sample; }
 static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
   *a = frame->samples->a[sample];
   *b = frame->samples->b[sample];
 }
 #else
 /* Slot of a sample of the chunk. */
-static inline uint rc_slot(uint row, uint column) {
-  return (row / 4u * RC_TILE_COLUMNS + column / 4u) * 16u + row % 4u * 4u + column % 4u;
+static inline uint rc_open_slot(const GroupFrame* frame, uint sample) {
+  const uint row = sample >> 16, column = sample & 0xffffu;
+  return (row / 4u * frame->tile_columns + column / 4u) * 16u + row % 4u * 4u + column % 4u;
 }
-static inline uint rc_open_slot(uint sample) { return rc_slot(sample >> 16, sample & 0xffffu); }
 static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
-  const uint row = sample >> 16, column = sample & 0xffffu, p = column / RC_NU;
-  rc_group_sample(frame->sampling, 0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, a, b);
+  const uint row = sample >> 16, column = sample & 0xffffu, of_row = frame->sampling.nu, p = column / of_row;
+  rc_group_sample(frame->sampling, 0u, 0u, p, (frame->first_row + row) * of_row + column - p * of_row, a, b);
 }
 #endif
 
@@ -257,7 +257,7 @@ __attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFr
   rc_store16(rc_nearness(&frame->map, t), 0, near);
   for (; hits; hits &= hits - 1u) {
     const uint k = rc_lowest(hits);
-    rc_keep(scene, closest, rc_open_slot(open->sample[k]), near[k], instance, open->primitive[k]);
+    rc_keep(scene, closest, rc_open_slot(frame, open->sample[k]), near[k], instance, open->primitive[k]);
   }
 }
 

@@ -6,13 +6,33 @@
 
 #include "kernels/geometry/primary_frame.h"
 
-#if !RC_SCATTER
+#if RC_GRID
 /* Image-plane coordinates of a column and of a row of the whole pixel. */
-static inline float16 rc_column_a(float16 column) {
-  return fma(column, (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_PIXELS_PER_GROUP));
+static inline float16 rc_column_a(const GroupFrame* frame, float16 column) {
+  return fma(column, (float16)(frame->column_step), (float16)(frame->column_first));
 }
-static inline float16 rc_row_b(float16 row) {
-  return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f));
+static inline float16 rc_row_b(const GroupFrame* frame, float16 row) {
+  return fma(row, (float16)(frame->row_step), (float16)(frame->row_first));
+}
+
+/* The grid of a launch's samples over the group; pixels: of a group, `used` of which exist. */
+static inline void rc_set_grid(GroupFrame* frame, Sampling sampling, uint pixels, uint used, uint first_sample,
+                               uint sample_count) {
+  const float nu = (float)sampling.nu, nv = (float)sampling.nv;
+  frame->sampling = sampling;
+  frame->first_row = first_sample / sampling.nu;
+  frame->rows = sample_count / sampling.nu;
+  frame->columns = used * sampling.nu;
+  frame->tile_columns = (pixels * sampling.nu + 15u) / 16u * 4u;
+  frame->grid_columns = (float)(pixels * sampling.nu);
+  frame->column_step = 1.0f / nu;
+  frame->column_first = 0.5f / nu - 0.5f * (float)pixels;
+  frame->row_step = 1.0f / nv;
+  frame->row_first = 0.5f / nv - 0.5f;
+}
+/* Slots of its tiles. */
+static inline uint rc_grid_slots(const GroupFrame* frame) {
+  return 16u * frame->tile_columns * ((frame->rows + 3u) / 4u);
 }
 
 /* What a block leaves for later. */
@@ -39,14 +59,15 @@ typedef struct GridBlock {
  * lines. */
 static inline int16 rc_grid_block(const GroupFrame* frame, GridBlock* block) {
   const Setup* s = &block->setup;
-  block->left =
-      rc_max16(ceil(fma(s->lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
-  block->right = rc_min16(floor(fma(s->hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))),
+  const float nu = (float)frame->sampling.nu, nv = (float)frame->sampling.nv;
+  const float column_shift = 0.5f * frame->grid_columns - 0.5f;
+  block->left = rc_max16(ceil(fma(s->lo_a, (float16)(nu), (float16)(column_shift - 1e-5f))), (float16)(0.0f));
+  block->right = rc_min16(floor(fma(s->hi_a, (float16)(nu), (float16)(column_shift + 1e-5f))),
                           (float16)((float)frame->columns - 1.0f));
-  const float row_shift = 0.5f * RC_NV - 0.5f - (float)frame->first_row;
-  block->above = rc_max16(ceil(fma(s->lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), (float16)(0.0f));
-  block->below = rc_min16(floor(fma(s->hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))),
-                          (float16)((float)(frame->rows - 1u)));
+  const float row_shift = 0.5f * nv - 0.5f - (float)frame->first_row;
+  block->above = rc_max16(ceil(fma(s->lo_b, (float16)(nv), (float16)(row_shift - 1e-5f))), (float16)(0.0f));
+  block->below =
+      rc_min16(floor(fma(s->hi_b, (float16)(nv), (float16)(row_shift + 1e-5f))), (float16)((float)(frame->rows - 1u)));
   return s->usable & (block->right - block->left >= 0.0f) & (block->below - block->above >= 0.0f);
 }
 
@@ -80,7 +101,7 @@ static inline void rc_primary_small(SceneArrays scene, const GroupFrame* frame, 
     const uint16 pair = select((uint16)(0u), rc_load16(0, pairs + done), as_uint16(real)), lane_of = pair & 15u;
     const float16 column_of = rc_permute16(block->left, lane_of) + convert_float16(pair >> 4 & 15u),
                   row_of = rc_permute16(block->above, lane_of) + convert_float16(pair >> 8);
-    const float16 a = rc_column_a(column_of), b = rc_row_b(row_of + (float)frame->first_row);
+    const float16 a = rc_column_a(frame, column_of), b = rc_row_b(frame, row_of + (float)frame->first_row);
     const float16 l1 =
         fma(rc_permute16(s->l1a, lane_of), a, fma(rc_permute16(s->l1b, lane_of), b, rc_permute16(s->l1c, lane_of)));
     const float16 l2 =
@@ -92,7 +113,7 @@ static inline void rc_primary_small(SceneArrays scene, const GroupFrame* frame, 
     const float16 here =
         fma(l1, rc_permute16(s->q1, lane_of), fma(l2, rc_permute16(s->q2, lane_of), rc_permute16(s->q0, lane_of)));
     const uint16 row_u = convert_uint16(row_of), column_u = convert_uint16(column_of);
-    const uint16 slot_of = (row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u);
+    const uint16 slot_of = (row_u / 4u * frame->tile_columns + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u);
     const float16 here_most = here + rc_permute16(block->slack, lane_of);
 /* Without pairs that something nearer hides already: the loop below would drop them one by one. */
 #ifdef RC_HAS_GATHER
@@ -121,7 +142,7 @@ static inline void rc_primary_small(SceneArrays scene, const GroupFrame* frame, 
 static inline void rc_primary_tile(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open,
                                    uint primitive, uint instance, uint tile_row, uint tile_column, float16 least,
                                    float16 uncertain, float16 near, float slack) {
-  const uint slot = (tile_row * RC_TILE_COLUMNS + tile_column) * 16u;
+  const uint slot = (tile_row * frame->tile_columns + tile_column) * 16u;
   const float16 before = rc_load16(0, closest->near + slot);
   const int16 inside = least > uncertain, nearer = inside & (near > before);
   uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
@@ -166,12 +187,12 @@ static inline void rc_primary_large(SceneArrays scene, const GroupFrame* frame, 
     const uint first_column = left_of[lane] / 4u, last_column = right_of[lane] / 4u, last_row = below_of[lane] / 4u;
     const float16 uncertain = form.band[lane];
     for (uint tile_row = above_of[lane] / 4u; tile_row <= last_row; ++tile_row) {
-      const float16 b = rc_row_b(lane_row + (float)(4u * tile_row));
+      const float16 b = rc_row_b(frame, lane_row + (float)(4u * tile_row));
       float16 column_of = lane_column + (float)(4u * first_column);
       const float16 l1_row = fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])),
                     l2_row = fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane]));
       for (uint tile_column = first_column; tile_column <= last_column; ++tile_column, column_of += 4.0f) {
-        const float16 a = rc_column_a(column_of);
+        const float16 a = rc_column_a(frame, column_of);
         const float16 l1 = fma((float16)(form.l1a[lane]), a, l1_row), l2 = fma((float16)(form.l2a[lane]), a, l2_row);
         const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
         const float16 near =
@@ -211,31 +232,31 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
 
 /* From the tiles of a group to the slots of its pixels, by way of whole rows; samples without a hit and empty slots
  * become RC_NONE. Each step reads what the one before has long written: a load that spans fresh stores waits for them.
- * */
-static inline void rc_write_pixels(const float* near, const uint* tiles, uint used, uint rows, global uint* out,
-                                   size_t stride) {
-  RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_PIXELS_PER_GROUP * RC_NEAR_SAMPLES + 16];
-  for (uint tile = 0; tile < RC_TILE_ROWS * RC_TILE_COLUMNS; tile += 4u) {
+ * near: slots of a pixel; stride: of its hits; used: pixels that exist. */
+static inline void rc_write_pixels(const GroupFrame* frame, const float* nearness, const uint* tiles, uint near,
+                                   uint used, global uint* out, size_t stride) {
+  RC_LINE uint lines[RC_SLOTS + 16], slots[RC_GROUP_PIXELS * RC_NEAR_SAMPLES + 16];
+  const uint of_row = frame->sampling.nu, rows = frame->rows, wide = frame->tile_columns;
+  for (uint tile = 0; tile < rc_grid_slots(frame) / 16u; tile += 4u) {
     uint16 t[4];
 #pragma unroll
     for (uint i = 0; i < 4u; ++i)
-      t[i] = select(rc_load16(tile + i, tiles), (uint16)(RC_NONE), rc_load16(tile + i, near) == 0.0f);
-    uint* line = lines + (tile / RC_TILE_COLUMNS * (RC_TILE_COLUMNS * 4u) + tile % RC_TILE_COLUMNS) * 4u;
+      t[i] = select(rc_load16(tile + i, tiles), (uint16)(RC_NONE), rc_load16(tile + i, nearness) == 0.0f);
+    uint* line = lines + (tile / wide * (wide * 4u) + tile % wide) * 4u;
     rc_store16((uint16)(t[0].s0123, t[1].s0123, t[2].s0123, t[3].s0123), 0, line);
-    rc_store16((uint16)(t[0].s4567, t[1].s4567, t[2].s4567, t[3].s4567), 0, line + RC_TILE_COLUMNS * 4);
-    rc_store16((uint16)(t[0].s89ab, t[1].s89ab, t[2].s89ab, t[3].s89ab), 0, line + RC_TILE_COLUMNS * 8);
-    rc_store16((uint16)(t[0].scdef, t[1].scdef, t[2].scdef, t[3].scdef), 0, line + RC_TILE_COLUMNS * 12);
+    rc_store16((uint16)(t[0].s4567, t[1].s4567, t[2].s4567, t[3].s4567), 0, line + wide * 4u);
+    rc_store16((uint16)(t[0].s89ab, t[1].s89ab, t[2].s89ab, t[3].s89ab), 0, line + wide * 8u);
+    rc_store16((uint16)(t[0].scdef, t[1].scdef, t[2].scdef, t[3].scdef), 0, line + wide * 12u);
   }
   for (uint p = 0; p < used; ++p) {
     for (uint row = 0; row < rows; ++row)
-      for (uint i = 0; i < RC_NU; i += 16u)
-        rc_store16(rc_load16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0,
-                   slots + p * RC_NEAR_SAMPLES + row * RC_NU + i);
-    for (uint k = rows * RC_NU; k < RC_NEAR_SAMPLES; ++k) slots[p * RC_NEAR_SAMPLES + k] = RC_NONE;
+      for (uint i = 0; i < of_row; i += 16u)
+        rc_store16(rc_load16(0, lines + row * (wide * 4u) + p * of_row + i), 0, slots + p * near + row * of_row + i);
+    for (uint k = rows * of_row; k < near; ++k) slots[p * near + k] = RC_NONE;
   }
   for (uint p = 0; p < used; ++p)
-    for (uint word = 0; word < RC_NEAR_WORDS; ++word)
-      rc_store16(rc_load16(p * RC_NEAR_WORDS + word, slots), word, out + p * stride);
+    for (uint word = 0; word < near / 16u; ++word)
+      rc_store16(rc_load16(p * (near / 16u) + word, slots), 0, out + p * stride + word * RC_HIT_WORD);
 }
 
 #endif

@@ -1,11 +1,11 @@
-/* A block of 16 triangles against samples anywhere in the field (RC_SCATTER), by words of 16 samples with their bounds.
+/* A block of 16 triangles against samples anywhere in the field, by words of 16 samples with their bounds.
  * */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_PRIMARY_SCATTER_H
 #define RAYCUBE_KERNELS_GEOMETRY_PRIMARY_SCATTER_H
 
 #include "kernels/geometry/primary_frame.h"
 
-#if RC_SCATTER
+#if !RC_GRID
 static inline void rc_keep_word(Closest* closest, uint slot, float16 near, uint16 primitive, int16 taken,
                                 uint instance) {
   rc_store16(near, 0, closest->near + slot);
@@ -60,7 +60,7 @@ __attribute__((noinline)) static void rc_test_candidates(SceneArrays scene, cons
   const RC_SAMPLE_SPACE Scatter* samples = frame->samples;
   const uint count = pending->count;
   pending->count = 0;
-  for (uint word = 0; word < RC_SAMPLE_WORDS; ++word) {
+  for (uint word = 0; word < frame->words; ++word) {
     const uint slot = word * 16u;
     ulong touching = 0;
     for (uint first = 0; first < count; first += 16u)
@@ -117,8 +117,8 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
   global const TriBlock* block = rc_block(scene, index);
   const uint first = index * RC_BLOCK;
   const Setup s = rc_setup_block(&frame->map, block, true);
-  const uint lanes = rc_mask16(s.usable & (s.lo_a <= RC_HALF_A) & (s.hi_a >= -RC_HALF_A) & (s.lo_b <= RC_HALF_B) &
-                               (s.hi_b >= -RC_HALF_B));
+  const uint lanes = rc_mask16(s.usable & (s.lo_a <= frame->half_a) & (s.hi_a >= -frame->half_a) &
+                               (s.lo_b <= frame->half_b) & (s.hi_b >= -frame->half_b));
   const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
   if (lanes) {
     if (pending->count + popcount(lanes) > RC_CANDIDATES) rc_test_candidates(scene, frame, closest, instance, pending);
@@ -144,27 +144,28 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
               (float*)(c->primitive + at));
   }
   for (uint rest = behind_bits; rest; rest &= rest - 1u) /* crosses the sensor's plane: every sample alone */
-    for (uint slot = 0; slot < RC_SLOTS; ++slot)
+    for (uint slot = 0; slot < 16u * frame->words; ++slot)
       if (frame->samples->a[slot] < INFINITY)
         rc_leave_open(scene, frame, closest, instance, &pending->open, first + rc_lowest(rest), slot);
 }
 
-/* Positions of samples first .. first + count - 1 of the group's pixels, and the bounds of their words. */
-static inline void rc_scatter_samples(Scatter* samples, Sampling sampling, uint seed, GroupPlace place, uint first,
-                                      uint count) {
-  for (uint p = 0; p < RC_PIXELS_PER_GROUP; ++p)
-    for (uint k = 0; k < RC_NEAR_SAMPLES; k += 16u) {
+/* Positions of samples first .. first + count - 1 of the group's pixels, `near` slots each, and the bounds of their
+ * words. */
+static inline void rc_scatter_samples(Scatter* samples, Sampling sampling, uint near, uint seed, GroupPlace place,
+                                      uint first, uint count) {
+  for (uint p = 0; p < place.used; ++p)
+    for (uint k = 0; k < near; k += 16u) {
       float a[16], b[16];
       rc_group_samples(sampling, seed, place.number + p, p, first + k, a, b);
       for (uint i = 0; i < 16u; ++i) {
-        const bool exists = p < place.used && k + i < count;
-        samples->a[p * RC_NEAR_SAMPLES + k + i] = exists ? a[i] : INFINITY;
-        samples->b[p * RC_NEAR_SAMPLES + k + i] = exists ? b[i] : INFINITY;
+        const bool exists = k + i < count;
+        samples->a[p * near + k + i] = exists ? a[i] : INFINITY;
+        samples->b[p * near + k + i] = exists ? b[i] : INFINITY;
       }
     }
-  for (uint word = 0; word < RC_BOUND_SLOTS; ++word) {
+  for (uint word = 0; word < place.used * near / 16u; ++word) {
     float lo_a = INFINITY, hi_a = -INFINITY, lo_b = INFINITY, hi_b = -INFINITY;
-    for (uint k = 0; word < RC_SAMPLE_WORDS && k < 16u; ++k) {
+    for (uint k = 0; k < 16u; ++k) {
       const float a = samples->a[word * 16u + k], b = samples->b[word * 16u + k];
       if (!(a < INFINITY)) continue;
       lo_a = fmin(lo_a, a);

@@ -9,16 +9,17 @@
 typedef struct GroupPlace {
   uint pixel;  /* first pixel: index in the tile */
   uint number; /* first pixel: index in the image, for hashes */
-  uint used;   /* pixels that exist, 1 .. RC_PIXELS_PER_GROUP */
+  uint used;   /* pixels that exist, 1 .. pixels_per_group */
 } GroupPlace;
 
-static inline GroupPlace rc_group_place(global const RayGroup* groups, uint group, uint columns) {
-  const uint per_line = rc_groups_per_line(columns, RC_PIXELS_PER_GROUP);
-  const uint line = group / per_line, column = (group - line * per_line) * RC_PIXELS_PER_GROUP;
+static inline GroupPlace rc_group_place(const TileShape* tile, global const RayGroup* groups, uint group,
+                                        uint columns) {
+  const uint per_line = rc_groups_per_line(columns, tile->pixels_per_group);
+  const uint line = group / per_line, column = (group - line * per_line) * tile->pixels_per_group;
   GroupPlace place;
   place.pixel = line * columns + column;
   place.number = as_uint(groups[group].origin.w);
-  place.used = min((uint)RC_PIXELS_PER_GROUP, columns - column);
+  place.used = min(tile->pixels_per_group, columns - column);
   return place;
 }
 
@@ -30,27 +31,28 @@ static inline RayGroup rc_group_rays(global const RayGroup* groups, uint group) 
   return rays;
 }
 
-/* How a pixel's samples lie (kernels/sampling/sampler.h): of all kernels but trace_primary's grid, which is made for
- * one, an argument, so that another number of samples in as many words of 16 is no other program. */
+/* How a pixel's samples lie (kernels/sampling/sampler.h). */
 typedef struct Sampling {
   int kind; /* RC_SAMPLER_* */
   uint nu, nv;
   float support; /* pixels */
+  float left;    /* middle of a group's first pixel, pixels from the group's */
 } Sampling;
+static inline float rc_left_of_group(const TileShape* tile) { return -0.5f * (float)(tile->pixels_per_group - 1u); }
 #define RC_GATHER_SAMPLING() \
-  { (int)sampler, samples_u, samples_v, sample_support }
+  { (int)sampler, samples_u, samples_v, sample_support, rc_left_of_group(&tile) }
 
 /* (a, b) of sample s of the group's pixel p, whose number in the image is `number`. */
 static inline void rc_group_sample(Sampling of, uint seed, uint number, uint p, uint s, float* a, float* b) {
   float u, v;
   rc_sample_uv(of.kind, (int)of.nu, (int)of.nv, of.support, seed, number, (int)s, &u, &v);
-  *a = ((float)p - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1)) + u;
+  *a = ((float)p + of.left) + u;
   *b = v;
 }
 
 /* The same of samples s to s + 15; a lattice is moved once for all of them. */
 static inline void rc_group_samples(Sampling of, uint seed, uint number, uint p, uint s, float* a, float* b) {
-  const float left = (float)p - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1);
+  const float left = (float)p + of.left;
   if (of.kind != RC_SAMPLER_LATTICE) {
     for (uint k = 0; k < 16u; ++k) rc_group_sample(of, seed, number, p, s + k, a + k, b + k);
     return;
@@ -74,9 +76,7 @@ static inline float4 rc_group_direction(RayGroup g, float a, float b) {
  * A start 20 km off would round every difference from it to 1 mm. */
 static inline float4 rc_group_offset(RayGroup g, float a, float b) {
   float4 offset = fma((float4)(b * g.d0.w), g.dv, (float4)(a * g.d0.w) * g.du);
-#if RC_MOVING
   offset = fma((float4)(b), g.ov, offset);
-#endif
   offset.w = 0.0f;
   return offset;
 }

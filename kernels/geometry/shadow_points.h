@@ -184,7 +184,7 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
  * costly and ground set. */
 static inline void rc_shadow_points(SceneArrays scene, float4 towards, Points* points) {
   if (!rc_points_left(points)) return;
-  for (uint word = points->words; word < RC_WORD_SLOTS; ++word) rc_empty_word(points, word);
+  for (uint word = points->words; word < points->word_slots; ++word) rc_empty_word(points, word);
   rc_project_points(points, towards);
   rc_shadow_cluster(scene, points, rc_cluster(points));
 }

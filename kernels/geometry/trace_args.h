@@ -8,34 +8,26 @@
  *                                                   \-> trace_bounce -> glow
  *
  * Build options (a program is given those that it reads, host/render/tile_shape.cpp; a -D that is missing here has the
- * default below):
- *   RC_CHUNK_SAMPLES    most samples that one launch handles per pixel, or more; smaller than a pixel's for big pixels.
- *                       Of trace_primary's grid those of the chunk, a multiple of RC_NU, so that a chunk is whole rows;
- *                       default RC_NU * RC_NV
- *   RC_SCATTER          of trace_primary, as the next three: 1: samples anywhere in the field; 0: the plain grid over
- *                       one pixel, which is faster
- *   RC_NU, RC_NV        with the grid: samples of a pixel along and across the line (whole pixel, not the chunk)
- *   RC_SUPPORT          else: width of the square the samples cover, pixels, as a float literal
- *   RC_PIXELS_PER_GROUP pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
- *   RC_SKY_PLANES       planes of met sky, a multiple of 4
- *   RC_COMPONENTS, RC_THERMAL_COMPONENTS  of the sky, the solar ones first; of them the thermal ones, surroundings last
- *   RC_LAMPS            sources of lamps
+ * default below, or that of kernels/shared/tile_layout.h); all else is in the argument `tile`, a TileShape:
+ *   RC_CHUNK_SAMPLES    most samples of a pixel that one launch handles: how much a kernel's own arrays hold
+ *   RC_MOST_LIGHTS      likewise of sources that have a value for each sample
+ *   RC_GRID             of trace_primary: 1: the plain grid over one pixel, which is faster; 0: samples anywhere in the
+ *                       field
  *   RC_STACK            CompiledScene::stack_bound() or more
- *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
- *   RC_SHAPED, RC_THROUGH, RC_GLOSSY  what the scene's matter asks for: kernels/shared/tile_layout.h
- *   RC_SKELETON, RC_SUN, RC_MATERIALS, RC_PATH_LOG  of trace_bounce alone: wavelengths along paths, whether the sun is
- *                       a source, materials of the scene, whether paths are handed over step by step
+ *   RC_SHAPED, RC_THROUGH, RC_PLATES, RC_GLOSSY, RC_FURTHER, RC_FURTHER_RECORDS  what the scene's matter may ask for:
+ *                       kernels/shared/tile_layout.h
+ *   RC_SKELETON, RC_PATH_LOG  of trace_bounce: most wavelengths along paths, whether paths are handed over step by step
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
- * sampler both are multiples of RC_NU.
+ * both are multiples of samples_u, so that a chunk is whole rows.
  *
- * Rays: pixel p of a group (0 .. RC_PIXELS_PER_GROUP - 1) and sample s with (u, v) = rc_sample_uv(...) have
- *   a = (p - (RC_PIXELS_PER_GROUP - 1) / 2) + u,  b = v
+ * Rays: pixel p of a group (0 .. tile.pixels_per_group - 1) and sample s with (u, v) = rc_sample_uv(...) have
+ *   a = (p - (pixels_per_group - 1) / 2) + u,  b = v
  *   start = origin + offset (never added up where hits are decided), offset = d0.w (a du + b dv) + b ov,  direction =
  *   fma(b, dv, fma(a, du, d0)); the sensor lies at origin - d0.w d0 (kernels/geometry/samples.h)
  * so d0 is the direction of the group's centre (for 4: between pixels 1 and 2), du and dv its change per pixel.
  * Groups of a tile: line by line, rc_groups_per_line of them per line; the last may hold fewer pixels. A tile may also
- * be any list of groups: each is then a line of its own, columns = RC_PIXELS_PER_GROUP.
+ * be any list of groups: each is then a line of its own, columns = pixels_per_group.
  *
  * Every kernel: any local size (one item is one group, by its global id), global size = groups of the tile; arguments:
  * kernels/shared/camera_arguments.h. The scene's arrays have at least one element each, even in an empty scene. A
@@ -64,26 +56,11 @@
 #include "kernels/shared/tile_layout.h"
 #include "kernels/sampling/sampler.h"
 
-#ifndef RC_NU
-#define RC_NU 11
-#endif
-#ifndef RC_NV
-#define RC_NV 11
-#endif
-#ifndef RC_CHUNK_SAMPLES
-#define RC_CHUNK_SAMPLES (RC_NU * RC_NV)
-#endif
-#ifndef RC_SCATTER
-#define RC_SCATTER 0
-#endif
-#ifndef RC_SUPPORT
-#define RC_SUPPORT 1.0f
+#ifndef RC_GRID
+#define RC_GRID 0
 #endif
 #ifndef RC_STACK
 #define RC_STACK 128
-#endif
-#ifndef RC_MOVING
-#define RC_MOVING 0
 #endif
 #ifndef RC_BUNDLE
 #define RC_BUNDLE 1

@@ -98,7 +98,7 @@ static inline void rc_beam_word(const LidarTables* t, uint word, float16* a, flo
   *a = rc_load16(2u * word, t->samples);
   *b = rc_load16(2u * word + 1u, t->samples);
 #else
-  const uint slots = RC_NEAR_SAMPLES, words = RC_NEAR_WORDS, bounds = RC_PADDED(words);
+  const uint slots = RC_NEAR_SAMPLES, words = (RC_NEAR_SAMPLES / RC_WORD), bounds = RC_PADDED(words);
   global const float* at = t->samples + (size_t)(word / words) * (2u * slots + 4u * bounds) + word % words * 16u;
   *a = rc_load16(0, at);
   *b = rc_load16(0, at + slots);

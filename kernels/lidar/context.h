@@ -23,11 +23,12 @@
 #define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 
 /* A -D that is missing has these defaults: one sub-ray word of a plain shot. */
-#ifndef RC_SCATTER
-#define RC_SCATTER 1
-#define RC_PIXELS_PER_GROUP 1
-#define RC_CHUNK_SAMPLES 256
-#define RC_SUPPORT 4.0f
+#define RC_GROUP_PIXELS 1 /* a bundle is the rays of one owner */
+#ifndef RC_CHUNK_SAMPLES
+#define RC_CHUNK_SAMPLES 256 /* sub-rays of a bundle */
+#endif
+#ifndef RC_SUPPORT
+#define RC_SUPPORT 4.0f /* width of the square that they cover */
 #endif
 #define RC_SAMPLE_SPACE global /* all owners share theirs */
 #include "kernels/geometry/trace_args.h"

@@ -59,7 +59,9 @@ static inline void rc_trace_bundle(SceneArrays scene, const LidarTables* t, glob
   frame.rays.dv = t->shot[RC_SHOT_DV];
   frame.rays.origin.w = frame.rays.d0.w = frame.rays.du.w = frame.rays.dv.w = 0.0f;
   frame.rays.ov = (float4)(0.0f);
+  frame.half_a = frame.half_b = 0.5f * RC_SUPPORT;
   frame.samples = scatter;
+  frame.words = RC_SAMPLE_WORDS;
   if (rc_primary_group(scene, &frame, RC_PRIMARY_BUDGET(RC_SLOTS), closest)) return;
   for (uint k = 0; k < RC_SLOTS; ++k) { /* ray by ray */
     const float a = scatter->a[k], b = scatter->b[k];

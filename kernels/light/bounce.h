@@ -71,7 +71,6 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
   }
 }
 
-#if RC_LAMPS
 /* Lamplight on the ends of the live paths: one lamp of each source for each side that light goes on from. */
 __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const PathTables* t, uint live, uint level,
                                                     Ends16* ends, Paths16* paths) {
@@ -79,9 +78,9 @@ __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const Pat
     const uint k = rc_lowest(live), surface = ends->surface[k], number = paths->number[k], path = paths->path[k];
     const float4 normal = rc_lane_of(ends->normal, k), front = rc_lane_of(ends->front, k);
     const float4 point = front - ends->lift[k] * normal;
-    const uint sides = rc_is_leaf(t->lobes, surface) ? 2u : 1u;
-    for (uint i = 0; i < sides * RC_LAMPS; ++i) {
-      const uint side = i / RC_LAMPS, source = i % RC_LAMPS, draw = RC_LAMP_DRAW + 3u * i;
+    const uint sides = rc_is_leaf(t->lobes, surface) ? 2u : 1u, lamps = t->tile->lamps;
+    for (uint i = 0; i < sides * lamps; ++i) {
+      const uint side = i / lamps, source = i % lamps, draw = RC_LAMP_DRAW + 3u * i;
       const float4 from = side == 0u ? front : rc_lane_of(ends->back, k);
       const LampDraw lamp = rc_draw_lamp(
           &t->lamps, source, point, side == 0u ? normal : -normal, rc_path_draw(t, number, path, level, draw),
@@ -103,20 +102,20 @@ __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const Pat
     }
   }
 }
-#endif
 
 /* Sky that a path's ray sees: drawn by the cosine, a ray stands for pi sr of it. */
 static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
   if (!(paths->rays.dz[k] > 0.0f)) return;
-#if RC_COMPONENTS
-  float light[RC_SKY_PLANES];
+  const uint components = t->tile->components;
+  if (components == 0u) return;
+  float light[RC_SKY_COMPONENTS];
   rc_sky_light(&t->sky, paths->rays.dx[k], paths->rays.dy[k], paths->rays.dz[k], light);
   for (uint m = 0; m < RC_SKELETON; ++m) {
     float sky = 0.0f;
-    for (uint c = 0; c < RC_COMPONENTS; ++c) sky = fma(light[c], t->source_share[(RC_SUN + c) * RC_SKELETON + m], sky);
+    for (uint c = 0; c < components; ++c)
+      sky = fma(light[c], t->source_share[(t->tile->sun + c) * RC_SKELETON + m], sky);
     paths->gained[k][m] = fma(3.14159265f * sky, paths->carried[k][m], paths->gained[k][m]);
   }
-#endif
 }
 
 /* Ground around the scene that a path's ray meets: the surface after the last one, and the path's end. It lies as low
@@ -208,8 +207,7 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
     const uint stood = live;
     paths->ends.lit = 0u;
 #endif
-#if RC_THERMAL_COMPONENTS
-    for (uint left = live; left; left &= left - 1u) {
+    for (uint left = t->tile->thermal_components > 0u ? live : 0u; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
       /* Of a plate that was so when the ray met it. */
       if (rc_is_plate(t->lobes, paths->ends.surface[k])) continue;
@@ -217,13 +215,8 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
       rc_gain_heat(scene, t, paths->ends.surface[k], rc_lane_of(paths->ends.normal, k), back, paths->carried[k],
                    paths->gained[k]);
     }
-#endif
-#if RC_SUN
-    if (t->sun_up) rc_gain_sun(scene, t, live, &paths->ends, paths);
-#endif
-#if RC_LAMPS
-    rc_gain_lamps(scene, t, live, level, &paths->ends, paths);
-#endif
+    if (t->tile->sun && t->sun_up) rc_gain_sun(scene, t, live, &paths->ends, paths);
+    if (t->tile->lamps > 0u) rc_gain_lamps(scene, t, live, level, &paths->ends, paths);
     live = rc_go_on(scene, t, live, level, &paths->ends, paths);
 #if RC_PATH_LOG
     rc_log_ends(t, stood, live, level, &paths->ends, paths);

@@ -22,7 +22,7 @@ static inline uint rc_let_through(SceneArrays scene, global const Lobe* lobes, g
   uint through = 0;
   for (uint k = 0; k < 16u; ++k) {
     if (in[k] == RC_NONE) continue;
-    const uint surface = rc_surface_of(scene, in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k]);
+    const uint surface = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]);
     through |= rc_is_leaf(lobes, surface) ? 1u << k : 0u;
   }
   return through;

@@ -1,6 +1,6 @@
 /* How much of an even light a surface's lobes send towards the viewer (scene_compiler/lobe_albedo.h): by that its
- * emission there differs from Lambert's. Compiled in where a plan has thermal light and matter that is not Lambert's
- * (RC_LOBE_ALBEDO). */
+ * emission there differs from Lambert's. Asked for where a plan has thermal light and matter that is not Lambert's
+ * (TileShape::lobe_albedo). */
 #ifndef RAYCUBE_KERNELS_LIGHT_LOBE_ALBEDO_H
 #define RAYCUBE_KERNELS_LIGHT_LOBE_ALBEDO_H
 
@@ -8,7 +8,7 @@
 #include "kernels/materials/angles.h"
 #include "kernels/shared/tile_layout.h"
 
-#if RC_LOBE_ALBEDO
+#if RC_SHAPED
 typedef struct LobeAlbedos {
   global const uint* at;     /* [record of the lobes]: number of its table, from 1; 0: 1 everywhere, Lambert's */
   global const float* value; /* [table][RC_ALBEDO_AZIMUTHS][RC_ALBEDO_ZENITHS] */

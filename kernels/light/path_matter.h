@@ -7,20 +7,12 @@
 #include "kernels/light/path_ends.h"
 #include "kernels/light/sky_map.h"
 #include "kernels/shared/product_key.h"
-#if RC_LAMPS /* last: a program has each file once, and others here want what these bring */
-#include "kernels/light/lamps.h"
-#endif
+#include "kernels/light/lamps.h" /* last: a program has each file once, and others here want what these bring */
 
 /* What a black body at a material's temperature sends beyond one at the surroundings', over the light of all sources
  * together: the role after all others (plan::Bounces::curve). */
 #define RC_CURVE_HEAT RC_CURVE_LEANING(RC_FURTHER_RECORDS)
 #define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
-#if RC_LAMPS
-#define RC_GATHER_LAMPS() \
-  , { lamps, lamp_first, lamp_distribution }
-#else
-#define RC_GATHER_LAMPS()
-#endif
 #if RC_PATH_LOG
 #define RC_GATHER_LOG() \
   , path_log + (size_t)place.pixel *RC_NUMBERED_PATHS(paths) * (levels + 1u), RC_NUMBERED_PATHS(paths)
@@ -29,8 +21,11 @@
 #endif
 #define RC_LAMP_DRAW 11u /* after them, and past the photons' and RC_LAMP_DIMENSION: six for each source of lamps */
 
+#define RC_MOST_LAMPS 12 /* sources of lamps */
+
 /* What paths ask of matter and light. */
 typedef struct PathTables {
+  const TileShape* tile;
   global const Lobe* lobes;           /* [surface][RC_LOBE_STRIDE] */
   global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
   global const float* skeleton_curve; /* [curve - 1][RC_SKELETON]; then RC_CURVE_HEAT's where there is heat */
@@ -40,11 +35,9 @@ typedef struct PathTables {
   float4 sun;   /* direction to it */
   float lowest; /* z of the scene, m */
   uint sun_up, levels, seed;
-#if RC_LOBE_ALBEDO
-  LobeAlbedos albedos;
-#endif
-#if RC_LAMPS
   LampTables lamps;
+#if RC_SHAPED
+  LobeAlbedos albedos;
 #endif
 #if RC_PATH_LOG
   global PathStep* log; /* of the group's first pixel */
@@ -55,11 +48,11 @@ typedef struct PathTables {
 typedef struct Paths16 {
   Rays16 rays;
   float carried[16][RC_SKELETON];
-  float gained[16][RC_GLOW_WIDTH]; /* of all sources but lamps, then of each of those */
-  float reach[16];                 /* bound of what is carried: product of the surfaces' largest R + T */
-  float scale[16];                 /* samples that the path stands for, times their weight */
-  uint pixel[16], part[16];        /* of the group; part of its samples */
-  uint number[16], path[16];       /* of the pixel in the image, of the path in the pixel: for draws */
+  float gained[16][(1 + RC_MOST_LAMPS) * RC_SKELETON]; /* of all sources but lamps, then of each of those */
+  float reach[16];           /* bound of what is carried: product of the surfaces' largest R + T */
+  float scale[16];           /* samples that the path stands for, times their weight */
+  uint pixel[16], part[16];  /* of the group; part of its samples */
+  uint number[16], path[16]; /* of the pixel in the image, of the path in the pixel: for draws */
   uint count;
   uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
   Ends16 ends;
@@ -72,12 +65,12 @@ typedef struct Paths16 {
 static inline bool rc_glossy(const PathTables* t, uint surface) { return t->scattering[surface].z > 0.0f; }
 #endif
 
-/* Factors of the further lobes by which a side of a surface scatters, [RC_FURTHER]: `scale` times how many times
+/* Factors of the further lobes by which a side of a surface scatters, [further]: `scale` times how many times
  * Lambert's radiance goes from `in` to `out`. 0 where there are none. */
 static inline void rc_more_factors(const PathTables* t, uint surface, uint side, float4 normal, float4 in, float4 out,
                                    float scale, float* more) {
 #if RC_FURTHER
-  for (uint number = 0; number < RC_FURTHER; ++number) {
+  for (uint number = 0; number < t->tile->further; ++number) {
     const Lobe lobe = t->lobes[surface * RC_LOBE_STRIDE + RC_LOBES + number];
     more[number] = 0.0f;
     const uint role = side == RC_GLOSS_SIDE ? RC_ROLE_gloss : RC_ROLE_front;
@@ -89,7 +82,7 @@ static inline void rc_more_factors(const PathTables* t, uint surface, uint side,
 }
 
 static inline float16 rc_curve_at(const PathTables* t, uint role, uint material, uint m) {
-  const uint id = rc_curve_id(role, material, RC_MATERIALS);
+  const uint id = rc_curve_id(role, material, t->tile->materials);
   return vload16(0, t->skeleton_curve + (size_t)(id - 1u) * RC_SKELETON + m);
 }
 
@@ -106,7 +99,7 @@ static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surf
     }
 #if RC_FURTHER
     curve *= factor;
-    for (uint i = 0; i < 4u * RC_FURTHER; ++i) {
+    for (uint i = 0; i < 4u * t->tile->further; ++i) {
       const uint material = s->material[i % 4u], number = i / 4u;
       if (material == 0u || more[number] == 0.0f) continue;
       curve = fma((float16)(more[number] * s->fraction[i % 4u]),

@@ -12,8 +12,8 @@ static inline void rc_add_paths(SceneArrays scene, const PathTables* t, Paths16*
     rc_put_ray(&paths->rays, k, (float4)(0.0f), (float4)(0.0f, 0.0f, 1.0f, 0.0f));
   rc_follow(scene, t, paths);
   for (uint k = 0; k < paths->count; ++k) {
-    global float* to = out + RC_GLOW_AT(paths->pixel[k], paths->part[k]);
-    for (uint m = 0; m < RC_GLOW_WIDTH; ++m) to[m] = fma(paths->scale[k], paths->gained[k][m], to[m]);
+    global float* to = out + rc_glow_at(t->tile, paths->pixel[k], paths->part[k]);
+    for (uint m = 0; m < rc_glow_width(t->tile); ++m) to[m] = fma(paths->scale[k], paths->gained[k][m], to[m]);
   }
   paths->count = 0, paths->live = 0;
 }
@@ -24,7 +24,7 @@ typedef struct First16 {
   float weight[16]; /* of the side and direction by which the path begins: by the cosine 1 over the side's chance */
   float scale[16];  /* as of Paths16 */
   uint pixel[16], part[16], path[16];
-  uint slot[16], surface[16], side[16]; /* of the sample: in the planes of surface */
+  uint slot[16], surface[16], side[16]; /* of the sample */
 #if RC_PATH_LOG
   uint sample[16]; /* of the pixel */
 #endif
@@ -68,7 +68,7 @@ static inline void rc_put_first_plate(const PathTables* t, First16* first, uint 
     return;
   }
   if (!(ray->facing > 0.0f)) first->none |= 1u << i;
-  if (RC_SUN && t->sun_up && !lit && rc_dot3(normal, t->sun) > 0.0f) first->sunless |= 1u << i;
+  if (t->tile->sun && t->sun_up && !lit && rc_dot3(normal, t->sun) > 0.0f) first->sunless |= 1u << i;
 }
 
 /* Sunlight that comes to where a path begins through plates alone, and goes to the viewer by the side that the path
@@ -76,7 +76,7 @@ static inline void rc_put_first_plate(const PathTables* t, First16* first, uint 
 __attribute__((noinline)) static bool rc_gain_first_sun(SceneArrays scene, const PathTables* t, const First16* first,
                                                         uint i, global const float* at, float* gained) {
   const uint slot = first->slot[i], side = first->side[i], surface = first->surface[i];
-  global const float* here = at + slot;
+  global const float* here = at + rc_surface_slot(slot);
   const float4 point =
       (float4)(here[RC_PLANE(RC_POINT_X)], here[RC_PLANE(RC_POINT_Y)], here[RC_PLANE(RC_POINT_Z)], 0.0f);
   const float4 normal =
@@ -86,7 +86,7 @@ __attribute__((noinline)) static bool rc_gain_first_sun(SceneArrays scene, const
   float let[RC_SKELETON], more[1 + RC_FURTHER];
   if (!rc_behind_plates(scene, t, &rays, 0u, let)) return false;
   float factor = rc_dot3(normal, t->sun) * first->over_chance[i];
-  rc_further_factors(t->lobes, at, slot, side, t->sun, factor, more);
+  rc_further_factors(t->tile, t->lobes, at, slot, side, t->sun, factor, more);
   if (side != RC_FAR_SIDE) factor *= rc_spread(t->lobes, here, t->sun);
   rc_carry_on(scene, t, surface, side, factor, more, let, let);
   for (uint m = 0; m < RC_SKELETON; ++m) gained[m] = fma(t->source_share[m], let[m], gained[m]);
@@ -122,23 +122,21 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     paths->number[k] = first_number + first->pixel[i], paths->path[k] = first->path[i];
     float unit[RC_SKELETON], factor = first->weight[i], more[1 + RC_FURTHER];
     for (uint m = 0; m < RC_SKELETON; ++m) unit[m] = 1.0f;
-    rc_further_factors(t->lobes, in + RC_SURFACE_AT(first->pixel[i]), first->slot[i], first->side[i], way, factor,
-                       more);
+    global const float* points = in + rc_surface_at(t->tile, first->pixel[i]);
+    rc_further_factors(t->tile, t->lobes, points, first->slot[i], first->side[i], way, factor, more);
 #if RC_SHAPED
-    if (first->side[i] != RC_FAR_SIDE)
-      factor *= rc_spread(t->lobes, in + RC_SURFACE_AT(first->pixel[i]) + first->slot[i], way);
+    if (first->side[i] != RC_FAR_SIDE) factor *= rc_spread(t->lobes, points + rc_surface_slot(first->slot[i]), way);
 #endif
     rc_carry_on(scene, t, first->surface[i], first->side[i], factor, more, unit, paths->carried[k]);
-    for (uint m = 0; m < RC_GLOW_WIDTH; ++m) paths->gained[k][m] = 0.0f;
+    for (uint m = 0; m < rc_glow_width(t->tile); ++m) paths->gained[k][m] = 0.0f;
     bool passed = false, lit = false;
     const bool follow = (hidden & ~none) >> i & 1u, meets = follow && rc_meets(scene, t, paths, k, 0u, &passed);
 #if RC_PATH_LOG
     global PathStep* at = rc_step(t, first->pixel[i], first->path[i], 0u);
     at->instance = paths->ends.instance[k], at->primitive = paths->ends.primitive[k];
 #endif
-#if RC_PLATES && RC_SUN
-    if (first->sunless >> i & 1u)
-      lit = rc_gain_first_sun(scene, t, first, i, in + RC_SURFACE_AT(first->pixel[i]), paths->gained[k]);
+#if RC_PLATES
+    if (first->sunless >> i & 1u) lit = rc_gain_first_sun(scene, t, first, i, points, paths->gained[k]);
 #endif
     /* What comes straight from the sky was scattered once. */
     passed = passed || straight >> i & 1u;

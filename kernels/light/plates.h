@@ -22,7 +22,8 @@ __attribute__((noinline)) static void rc_go_behind(SceneArrays scene, const Path
 
 /* Normal, to its side, of what a ray met: of plates that send by the angle; else no one asks. */
 static inline float4 rc_normal_met(SceneArrays scene, const PathTables* t, const Rays16* rays, uint k, Hit hit) {
-#if RC_LOBE_ALBEDO
+#if RC_SHAPED
+  if (!t->tile->lobe_albedo) return (float4)(0.0f);
   Ends16 at;
   at.instance[k] = hit.instance, at.primitive[k] = hit.primitive;
   rc_stand(scene, t->lobes, rays, 1u << k, &at);
@@ -73,11 +74,10 @@ static inline bool rc_passes_plate(SceneArrays scene, const PathTables* t, Paths
 #if RC_PLATES
   const uint surface = rc_surface_of(scene, hit.primitive);
   if (!rc_is_plate(t->lobes, surface)) return false;
-#if RC_THERMAL_COMPONENTS
   const float4 way = rc_way_of(&paths->rays, k);
-  rc_gain_heat(scene, t, surface, rc_normal_met(scene, t, &paths->rays, k, hit), -way, paths->carried[k],
-               paths->gained[k]);
-#endif
+  if (t->tile->thermal_components > 0u)
+    rc_gain_heat(scene, t, surface, rc_normal_met(scene, t, &paths->rays, k, hit), -way, paths->carried[k],
+                 paths->gained[k]);
   const float4 law = t->scattering[surface];
   const float on = (1.0f - law.x) * (1.0f - (RC_GLOSSY ? law.z : 0.0f));
   const float draw =

@@ -21,7 +21,7 @@ static inline void rc_store_shapes(SceneArrays scene, global const uint* in, Vec
   rc_store_viewer(direction, out);
   for (uint k = 0; k < 16u; ++k) {
     uint at = 0u;
-    if (in[k] != RC_NONE) at = 1u + rc_surface_of(scene, in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
+    if (in[k] != RC_NONE) at = 1u + rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
     out[RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
   }
 }
@@ -38,7 +38,7 @@ static inline void rc_store_gloss(SceneArrays scene, global const Lobe* lobes, g
   for (uint k = 0; k < 16u; ++k) {
     uint at = 0u;
     if (in[k] != RC_NONE) {
-      const uint first = rc_surface_of(scene, in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
+      const uint first = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE;
       for (uint i = 1; i < RC_LOBE_BEHIND; ++i)
         if (lobes[first + i].share > 0.0f) at = 1u + first + i, glossy |= 1u << k;
     }
@@ -51,28 +51,24 @@ static inline void rc_store_gloss(SceneArrays scene, global const Lobe* lobes, g
 #endif
 
 #if RC_FURTHER
-/* A word's slots of each further lobe: of the near side, whose surfaces have one. */
+/* A word's slots of further lobe `number`: of the near side, whose surfaces have one. */
 static inline void rc_store_further(SceneArrays scene, global const Lobe* lobes, global const uint* in,
-                                    Vector16 direction, const SurfaceSide16* near, global float* out,
+                                    Vector16 direction, const SurfaceSide16* near, uint number, global float* out,
                                     global float* moved) {
-  for (uint number = 0; number < RC_FURTHER; ++number) {
-    const uint slot = RC_SLOT_OF(0u, RC_FURTHER_SIDE + number);
-    SurfaceSide16 side;
-    uint has = 0;
-    rc_store_viewer(direction, out + slot);
-    for (uint k = 0; k < 16u; ++k) {
-      uint at = 0u;
-      if (in[k] != RC_NONE) {
-        const uint lobe =
-            rc_surface_of(scene, in[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE + RC_LOBES + number;
-        if (lobes[lobe].share > 0.0f) at = 1u + lobe, has |= 1u << k;
-      }
-      out[slot + RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
+  SurfaceSide16 side;
+  uint has = 0;
+  rc_store_viewer(direction, out);
+  for (uint k = 0; k < 16u; ++k) {
+    uint at = 0u;
+    if (in[k] != RC_NONE) {
+      const uint lobe = rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]) * RC_LOBE_STRIDE + RC_LOBES + number;
+      if (lobes[lobe].share > 0.0f) at = 1u + lobe, has |= 1u << k;
     }
-    rc_clear_side(&side);
-    rc_take_side(near, rc_bits16(has), &side);
-    rc_store_side(&side, out + slot, moved + slot);
+    out[RC_PLANE(RC_LOBE_AT) + k] = as_float(at);
   }
+  rc_clear_side(&side);
+  rc_take_side(near, rc_bits16(has), &side);
+  rc_store_side(&side, out, moved);
 }
 #endif
 

@@ -14,8 +14,10 @@ typedef struct SkyMap {
   global const float4* thermal; /* [zenith], the thermal sky's components */
   global const float* thermal_zenith_rad;
   uint thermal_zeniths;
-  float4 sun_azimuth; /* sin, cos of the azimuth from which the maps' counts, from north */
+  float4 sun_azimuth;                  /* sin, cos of the azimuth from which the maps' counts, from north */
+  uint components, thermal_components; /* of all, the solar ones first; of them, surroundings last */
 } SkyMap;
+#define RC_SKY_COMPONENTS 8 /* most of them */
 
 /* Angle of (x, y) from the x axis, y >= 0, in 0 .. pi rad: to 2e-8 and the rounding of fp32 (Abramowitz & Stegun,
  * equation 4.4.49). The library's atan2 took an eighth of the sky's time. (0, 0) is at 0. */
@@ -43,35 +45,35 @@ static inline uint rc_map_cell(global const float* nodes, uint count, float at, 
   return lo;
 }
 
-/* Components that come from a unit direction above the horizon, sr-1, into light[RC_SKY_PLANES]: the solar ones, those
- * of the thermal sky, then the surroundings', -1: what the sky loses, they gain. */
+/* Components that come from a unit direction above the horizon, sr-1, into light[RC_SKY_COMPONENTS]: the solar ones,
+ * those of the thermal sky, then the surroundings', -1: what the sky loses, they gain. */
 static inline void rc_sky_light(const SkyMap* map, float x, float y, float z, float* light) {
-  for (uint m = 0; m < RC_SKY_PLANES; ++m) light[m] = 0.0f;
-#if RC_COMPONENTS > 0
+  const uint solar = map->components - map->thermal_components;
+  for (uint m = 0; m < RC_SKY_COMPONENTS; ++m) light[m] = 0.0f;
+  if (map->components == 0u) return;
   const float zenith = rc_angle(z, sqrt(fma(x, x, y * y)));
-#endif
-#if RC_COMPONENTS > RC_THERMAL_COMPONENTS
-  float f, g;
-  const float sine = map->sun_azimuth.x, cosine = map->sun_azimuth.y;
-  const uint i = rc_map_cell(map->zenith_rad, map->zeniths, zenith, &f);
-  const uint j = rc_map_cell(map->azimuth_rad, map->azimuths,
-                             rc_angle(fma(x, sine, y * cosine), fabs(fma(x, cosine, -y * sine))), &g);
-  global const float4 *low = map->solar + i * map->azimuths + j, *high = low + map->azimuths;
-  const float4 value = fma((float4)(1.0f - f), fma((float4)(1.0f - g), low[0], g * low[1]),
-                           f * fma((float4)(1.0f - g), high[0], g * high[1]));
-  light[0] = value.x;
-  if (RC_COMPONENTS - RC_THERMAL_COMPONENTS > 1) light[1] = value.y;
-  if (RC_COMPONENTS - RC_THERMAL_COMPONENTS > 2) light[2] = value.z;
-  if (RC_COMPONENTS - RC_THERMAL_COMPONENTS > 3) light[3] = value.w;
-#endif
-#if RC_THERMAL_COMPONENTS > 0
-  float h;
-  const uint k = rc_map_cell(map->thermal_zenith_rad, map->thermal_zeniths, zenith, &h);
-  const float4 emitted = fma((float4)(1.0f - h), map->thermal[k], h * map->thermal[k + 1u]);
-  if (RC_THERMAL_COMPONENTS > 1) light[RC_COMPONENTS - RC_THERMAL_COMPONENTS] = emitted.x;
-  if (RC_THERMAL_COMPONENTS > 2) light[RC_COMPONENTS - RC_THERMAL_COMPONENTS + 1] = emitted.y;
-  light[RC_COMPONENTS - 1] = -1.0f;
-#endif
+  if (solar > 0u) {
+    float f, g;
+    const float sine = map->sun_azimuth.x, cosine = map->sun_azimuth.y;
+    const uint i = rc_map_cell(map->zenith_rad, map->zeniths, zenith, &f);
+    const uint j = rc_map_cell(map->azimuth_rad, map->azimuths,
+                               rc_angle(fma(x, sine, y * cosine), fabs(fma(x, cosine, -y * sine))), &g);
+    global const float4 *low = map->solar + i * map->azimuths + j, *high = low + map->azimuths;
+    const float4 value = fma((float4)(1.0f - f), fma((float4)(1.0f - g), low[0], g * low[1]),
+                             f * fma((float4)(1.0f - g), high[0], g * high[1]));
+    light[0] = value.x;
+    if (solar > 1u) light[1] = value.y;
+    if (solar > 2u) light[2] = value.z;
+    if (solar > 3u) light[3] = value.w;
+  }
+  if (map->thermal_components > 0u) {
+    float h;
+    const uint k = rc_map_cell(map->thermal_zenith_rad, map->thermal_zeniths, zenith, &h);
+    const float4 emitted = fma((float4)(1.0f - h), map->thermal[k], h * map->thermal[k + 1u]);
+    if (map->thermal_components > 1u) light[solar] = emitted.x;
+    if (map->thermal_components > 2u) light[solar + 1u] = emitted.y;
+    light[map->components - 1u] = -1.0f;
+  }
 }
 
 #endif

@@ -40,11 +40,12 @@ static inline float16 rc_spread16(global const Lobe* lobes, global const float* 
 
 /* Of a sample's further lobes whose light comes by `side`, `scale` times that; of others 0. at: the pixel's planes of
  * surface; slot: of the sample's side; direction: where light comes from. */
-static inline void rc_further_factors(global const Lobe* lobes, global const float* at, uint slot, uint side,
-                                      float4 direction, float scale, float* more) {
+static inline void rc_further_factors(const TileShape* tile, global const Lobe* lobes, global const float* at,
+                                      uint slot, uint side, float4 direction, float scale, float* more) {
 #if RC_FURTHER
-  for (uint number = 0; number < RC_FURTHER; ++number) {
-    global const float* here = at + RC_SLOT_OF(RC_SAMPLE_OF(slot), RC_FURTHER_SIDE + number);
+  for (uint number = 0; number < tile->further; ++number) {
+    global const float* here =
+        at + rc_surface_slot(rc_slot_of_side(tile, rc_sample_of(tile, slot), RC_FURTHER_SIDE + number));
     more[number] = rc_is_further(lobes, here, side) ? scale * rc_spread(lobes, here, direction) : 0.0f;
   }
 #endif

@@ -6,9 +6,10 @@
 #include "kernels/geometry/skyline.h"
 #include "kernels/geometry/trace_args.h"
 
-/* Points and normals of word `word` (16 samples) of pixels side by side. */
-static inline global const float* rc_surface_word(global const float* surface, uint word) {
-  return surface + RC_SURFACE_AT(word / RC_WORDS) + word % RC_WORDS * RC_WORD;
+/* Points and normals of word `word` (16 samples) of the sides that send rays, of pixels side by side. */
+static inline global const float* rc_surface_word(const TileShape* tile, global const float* surface, uint word) {
+  const uint own_words = rc_own_words(tile), pixel = word / own_words;
+  return surface + rc_surface_at(tile, pixel) + (word - pixel * own_words) * RC_SURFACE_WORD;
 }
 
 /* Cosines between a direction and the normals of a word of points. */
@@ -17,10 +18,11 @@ static inline float16 rc_cosines(float4 direction, global const float* at) {
                         rc_load16(0, at + RC_PLANE(RC_NORMAL_Z)));
 }
 
-static inline void rc_gather_points(global const float* surface, uint pixels, Points* points) {
-  points->words = pixels * RC_WORDS;
+static inline void rc_gather_points(const TileShape* tile, global const float* surface, uint pixels, Points* points) {
+  points->words = pixels * rc_own_words(tile);
+  points->word_slots = (points->words + 15u) / 16u * 16u;
   for (uint word = 0; word < points->words; ++word) {
-    global const float* at = rc_surface_word(surface, word);
+    global const float* at = rc_surface_word(tile, surface, word);
     rc_store16(rc_load16(0, at + RC_PLANE(RC_POINT_X)), word, points->x);
     rc_store16(rc_load16(0, at + RC_PLANE(RC_POINT_Y)), word, points->y);
     rc_store16(rc_load16(0, at + RC_PLANE(RC_POINT_Z)), word, points->z);
@@ -31,8 +33,8 @@ static inline void rc_gather_points(global const float* surface, uint pixels, Po
 
 /* The ground's instance where all live points see the direction past all of it, else RC_NONE: by the cells of the box
  * around them, in the ground's frame. hits: of the points' pixels. */
-static inline uint rc_ground_passed(SceneArrays scene, const Skyline* skyline, global const uint* hits,
-                                    float4 direction, const Points* points) {
+static inline uint rc_ground_passed(SceneArrays scene, const TileShape* tile, const Skyline* skyline,
+                                    global const uint* hits, float4 direction, const Points* points) {
   if (skyline->instance == RC_NONE) return RC_NONE;
   global const Instance* placed = rc_instance(scene, skyline->instance);
   const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
@@ -50,7 +52,8 @@ static inline uint rc_ground_passed(SceneArrays scene, const Skyline* skyline, g
     lo_y = rc_min16(lo_y, select((float16)(INFINITY), at.y, live));
     hi_y = rc_max16(hi_y, select((float16)(-INFINITY), at.y, live));
     /* Points on the ground need not lie above it. */
-    global const uint* left = hits + RC_HITS_AT(word / RC_WORDS) + word % RC_WORDS % RC_NEAR_WORDS * RC_WORD;
+    const uint pixel = word / rc_own_words(tile), own = word - pixel * rc_own_words(tile);
+    global const uint* left = hits + rc_hits_at(tile, pixel) + own % rc_near_words(tile) * RC_HIT_WORD;
     lo_z = rc_min16(lo_z, select((float16)(INFINITY), at.z, live & (rc_load16(0, left) != skyline->instance)));
   }
   const float x0 = (rc_least16(lo_x) - skyline->x) * skyline->per_cell,

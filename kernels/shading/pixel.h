@@ -7,12 +7,12 @@
 #include "kernels/shared/tile_layout.h"
 
 typedef struct TracedPixel {
-  global const uint *instance, *primitive; /* [near slots] */
-  global const float* point;               /* [RC_POINT_PLANES][padded] */
-  global const float* lift;                /* [padded] */
-  global const ushort* sun;                /* [words] */
-  global const float* met_sky;             /* [RC_SKY_PLANES][padded] */
-  global const float* weight;              /* [RC_NEAR_SAMPLES], the chunk's */
+  global const uint* hits;     /* [near words][RC_HIT_PLANES][16] */
+  global const float* point;   /* [words][RC_POINT_PLANES][16] */
+  global const float* lift;    /* [slots] */
+  global const ushort* sun;    /* [words] */
+  global const float* met_sky; /* [words][sky_planes][16] */
+  global const float* weight;  /* [near slots], the chunk's */
 } TracedPixel;
 
 typedef struct PixelRow {
@@ -27,25 +27,36 @@ typedef struct PixelRow {
 
 /* What is known of each sample before surfaces are told apart. */
 typedef struct ShadedSamples {
-  float value[RC_LIT][RC_PADDED_SAMPLES]; /* of the direct sun, then of each component; all carry the sample's weight */
-  float height_fraction[RC_PADDED_SAMPLES];
-  uint height_index[RC_PADDED_SAMPLES];
-  uint surface[RC_PADDED_SAMPLES]; /* with its side; RC_NONE: nothing was hit, or it has been summed */
-#if RC_LOBE_ALBEDO
-  float albedo[RC_PADDED_SAMPLES]; /* of an even light, what the slot's lobe sends to the viewer; Lambert's: 1 */
+  /* [word][light][16]: of the direct sun, then of each component and lamp; all carry the sample's weight */
+  float value[RC_MOST_LIGHTS * RC_MOST_SLOTS];
+  float height_fraction[RC_MOST_SLOTS];
+  uint height_index[RC_MOST_SLOTS];
+  uint surface[RC_MOST_SLOTS]; /* with its side; RC_NONE: nothing was hit, or it has been summed */
+#if RC_SHAPED
+  float albedo[RC_MOST_SLOTS]; /* of an even light, what the slot's lobe sends to the viewer; Lambert's: 1 */
 #endif
 } RC_LINE ShadedSamples;
 
+/* Where the value of a light lies for a slot and for a word of them. */
+static inline uint rc_value_slot(const TileShape* tile, uint light, uint slot) {
+  return (slot / RC_WORD * rc_lights(tile) + light) * RC_WORD + slot % RC_WORD;
+}
+static inline uint rc_value_word(const TileShape* tile, uint light, uint word) {
+  return word * rc_lights(tile) + light;
+}
+
 /* Of word g, the word of the same samples' near sides. */
-static inline int rc_near_word(int g) { return RC_SIDES > 1 ? g % RC_NEAR_WORDS : g; }
+static inline uint rc_near_word(const TileShape* tile, uint g) {
+  return RC_MOST_SIDES > 1 ? g % rc_near_words(tile) : g;
+}
 
 /* Row and path and truth sums of an item, empty when it is fresh; its count so far. */
-static inline PixelRow rc_open_row(uint fresh, uint count, uint capacity, global ulong* keys, global float* sums,
-                                   global float* path, global float* truth) {
+static inline PixelRow rc_open_row(const TileShape* tile, uint fresh, uint count, uint capacity, global ulong* keys,
+                                   global float* sums, global float* path, global float* truth) {
   const PixelRow row = {keys, sums, path, truth, fresh ? 0u : count, capacity};
   if (fresh) {
-    for (int i = 0; i < RC_HEIGHTS * RC_CARRIED(RC_CHUNKED); ++i) path[i] = 0.0f;
-    for (int i = 0; i < RC_TRUTH_SUMS * RC_CARRIED(RC_CHUNKED); ++i) truth[i] = 0.0f;
+    for (uint i = 0; i < tile->heights * RC_CARRIED(tile->chunked); ++i) path[i] = 0.0f;
+    for (uint i = 0; i < RC_TRUTH_SUMS * RC_CARRIED(tile->chunked); ++i) truth[i] = 0.0f;
   }
   return row;
 }

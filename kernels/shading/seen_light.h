@@ -15,33 +15,36 @@ typedef struct ShadedWord {
   float16 cosine; /* between normal and sun */
 } ShadedWord;
 
-static inline ShadedWord rc_shaded_word(const TracedPixel* traced, const ShadedSamples* samples, float4 sun_direction,
-                                        int g) {
+static inline ShadedWord rc_shaded_word(const TileShape* tile, const TracedPixel* traced, const ShadedSamples* samples,
+                                        float4 sun_direction, uint g) {
   const uint16 lane = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  global const float* point = traced->point + g * RC_SURFACE_WORD;
   ShadedWord word;
   word.hit = rc_load16(g, samples->surface) != (uint16)(RC_NONE);
   word.lit = word.hit & (((((uint16)((uint)traced->sun[g])) >> lane) & 1u) != 0u);
-  word.weight = rc_load16(rc_near_word(g), traced->weight);
-  word.nx = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_X));
-  word.ny = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_Y));
-  word.nz = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_Z));
+  word.weight = rc_load16(rc_near_word(tile, g), traced->weight);
+  word.nx = rc_load16(0, point + RC_PLANE(RC_NORMAL_X));
+  word.ny = rc_load16(0, point + RC_PLANE(RC_NORMAL_Y));
+  word.nz = rc_load16(0, point + RC_PLANE(RC_NORMAL_Z));
   word.cosine =
       fma(word.nx, (float16)(sun_direction.x), fma(word.ny, (float16)(sun_direction.y), word.nz * sun_direction.z));
   return word;
 }
 
-static inline void rc_weigh_seen_light(const TracedPixel* traced, global const Lobe* lobes, const ShadedWord* word,
-                                       float4 sun_direction, int g, ShadedSamples* samples) {
-#if RC_SUN
-  float16 sent = word->weight * fmax(word->cosine, (float16)(0.0f));
+static inline void rc_weigh_seen_light(const TileShape* tile, const TracedPixel* traced, global const Lobe* lobes,
+                                       const ShadedWord* word, float4 sun_direction, uint g, ShadedSamples* samples) {
+  float* value = samples->value + rc_value_word(tile, 0u, g) * RC_WORD;
+  if (tile->sun) {
+    float16 sent = word->weight * fmax(word->cosine, (float16)(0.0f));
 #if RC_SHAPED
-  sent *= rc_spread16(lobes, traced->point + g * RC_WORD, sun_direction, rc_mask16(word->lit));
+    sent *= rc_spread16(lobes, traced->point + g * RC_SURFACE_WORD, sun_direction, rc_mask16(word->lit));
 #endif
-  rc_store16(rc_masked(sent, word->lit), g, samples->value[0]);
-#endif
-  for (int m = 0; m < RC_COMPONENTS + RC_LAMPS; ++m) {
-    const float16 e = rc_load16(g, samples->value[RC_SUN + m]) + rc_load16(g, traced->met_sky + RC_PLANE(m));
-    rc_store16(rc_masked(word->weight * e, word->hit), g, samples->value[RC_SUN + m]);
+    rc_store16(rc_masked(sent, word->lit), 0, value);
+  }
+  for (uint m = 0; m < tile->components + tile->lamps; ++m) {
+    const uint light = tile->sun + m;
+    const float16 e = rc_load16(light, value) + rc_load16(g * tile->sky_planes + m, traced->met_sky);
+    rc_store16(rc_masked(word->weight * e, word->hit), light, value);
   }
 }
 

@@ -13,6 +13,7 @@
   VALUE(rc_float, sample_support)     /* width of the square that they cover, pixels */
 
 #define RC_TRACE_PRIMARY_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
@@ -25,6 +26,7 @@
   VALUE(rc_uint, sample_count)
 
 #define RC_MAKE_SURFACE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
   READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED or RC_THROUGH */ \
@@ -47,6 +49,7 @@
   VALUE(rc_uint, skyline_rows)
 
 #define RC_TRACE_SUN_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
@@ -71,6 +74,7 @@
   VALUE(rc_float4, sun_azimuth)
 
 #define RC_TRACE_SKY_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
@@ -92,6 +96,7 @@
   WRITE(rc_float, met_sky)
 
 #define RC_TRACE_LAMPS_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
@@ -110,18 +115,19 @@
   WRITE(rc_float, met_sky)
 
 #define RC_TRACE_BOUNCE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
   SCENE(Surface, surfaces, SURFACES) NEXT() \
   READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBE_STRIDE], read where RC_SHAPED or RC_THROUGH */ \
   READ(rc_float4, scattering) NEXT()  /* [surface]: x chance of the near side, y largest R + T, z of gloss */ \
-  READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][RC_SKELETON] */ \
-  READ(rc_uint, albedo_at) NEXT()     /* read where RC_LOBE_ALBEDO, as the next: kernels/light/lobe_albedo.h */ \
+  READ(rc_float, skeleton_curve) NEXT() /* [curve - 1][skeleton] */ \
+  READ(rc_uint, albedo_at) NEXT()     /* read where lobe_albedo, as the next: kernels/light/lobe_albedo.h */ \
   READ(rc_float, albedo) NEXT() \
-  READ(rc_float, source_share) NEXT() /* [sun, components][RC_SKELETON]: a source's light over that of all */ \
-  READ(rc_float, ground_around) NEXT() /* [RC_SKELETON]: pi times its radiance over the light of all */ \
-  READ(Lamp, lamps) NEXT()            /* read where RC_LAMPS, as the next */ \
+  READ(rc_float, source_share) NEXT() /* [sun, components][skeleton]: a source's light over that of all */ \
+  READ(rc_float, ground_around) NEXT() /* [skeleton]: pi times its radiance over the light of all */ \
+  READ(Lamp, lamps) NEXT()            /* read where there are any, as the next */ \
   READ(rc_uint, lamp_first) NEXT() \
   READ(rc_float, lamp_distribution) NEXT() \
   VALUE(rc_float, lowest) NEXT()      /* z of the scene, m: from below nothing sees the ground around */ \
@@ -147,6 +153,7 @@
   WRITE(PathStep, path_log)           /* [pixel][numbered path][levels + 1], written where RC_PATH_LOG */
 
 #define RC_FIRST_OPAQUE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
@@ -160,6 +167,7 @@
   WRITE(rc_uint, opaque)
 
 #define RC_SHADE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   VALUE(rc_uint, item_count) NEXT() \
   READ(rc_uint, pixel_list) NEXT()    /* [item]: pixel of the tile, where use_list; else they are the same */ \
   VALUE(rc_uint, use_list) NEXT() \
@@ -183,7 +191,7 @@
   VALUE(rc_uint, map_size) NEXT() \
   READ(rc_float4, tilt_irradiance) NEXT() /* [RC_TILT_NODES] */ \
   READ(rc_float4, surface_node) NEXT() /* [surface]: its materials' temperatures on their axis */ \
-  READ(rc_uint, albedo_at) NEXT()     /* read where RC_LOBE_ALBEDO, as the next: kernels/light/lobe_albedo.h */ \
+  READ(rc_uint, albedo_at) NEXT()     /* read where lobe_albedo, as the next: kernels/light/lobe_albedo.h */ \
   READ(rc_float, albedo) NEXT() \
   VALUE(rc_float, height_first) NEXT() \
   VALUE(rc_float, height_step) NEXT() \
@@ -194,6 +202,7 @@
   WRITE(rc_float, truth)
 
 #define RC_RESOLVE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  VALUE(TileShape, tile) NEXT() \
   VALUE(rc_uint, first_item) NEXT() \
   VALUE(rc_uint, item_count) NEXT() \
   READ(rc_uint, pixel_list) NEXT() \
@@ -238,7 +247,7 @@
   READ(rc_uint, term_row) NEXT() \
   READ(rc_float, term_weight) NEXT() \
   VALUE(rc_uint, words) NEXT()        /* of 16 bands, the last one padded */ \
-  READ(rc_float, table) NEXT()        /* [row][RC_CHANNELS][words][16] */ \
+  READ(rc_float, table) NEXT()        /* [row][channels][words][16] */ \
   WRITE(rc_float, radiance)         /* [pixel][words][16] */
 /* clang-format on */
 

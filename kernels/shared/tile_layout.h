@@ -1,33 +1,33 @@
 /* What the stages of a camera hand to one another for a tile of its image: planes, strides and sizes of every buffer
  * that host and kernels share, each number under one name. Valid C++20 and OpenCL C 1.2.
  *
- * A stage handles a chunk of every pixel's samples, at most RC_CHUNK_SAMPLES of them. A plane holds one number of each
- * sample of a pixel in RC_PADDED_SAMPLES slots, whole words of 16: sample s lies in slot s - first_sample. Where matter
- * lets light through (RC_THROUGH), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface
- * that the viewer does not see: the same hit and weight, the point beyond the surface, the normal turned round; zero,
- * as where nothing was hit, on surfaces that are opaque. Hits have slots of the near side alone. Where
- * matter is glossy (RC_GLOSSY), it has one more, for what comes by its gloss: the near side's point and
- * normal, zero on surfaces without, and the gloss as the shape. Where shapes change with wavelength, each further lobe
- * (RC_FURTHER) has a slot after them, likewise with its own shape. Pixel i of a tile is (line in the tile) * columns +
- * (column in the tile). By pixel, one after the other:
- *   hits      uint    [RC_HIT_PLANES][near slots]  planes RC_HIT_*, RC_HIT_PLANE apart; RC_NONE in both where nothing
- *                                               was hit
- *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was
- *                                               hit; then those of shapes
- *   lift      float   [padded]                   m, how far along its normal the point was moved
+ * A stage handles a chunk of every pixel's samples. Each sample has a slot, sample s slot s - first_sample, and a pixel
+ * TileShape::near of them, whole words of 16. Where matter lets light through (TileShape::through), a sample has a
+ * second slot, `near` further, for the side of its surface that the viewer does not see: the same hit and weight, the
+ * point beyond the surface, the normal turned round; zero, as where nothing was hit, on surfaces that are opaque. Hits
+ * have slots of the near side alone. Where matter is glossy, it has one more, for what comes by its gloss: the near
+ * side's point and normal, zero on surfaces without, and the gloss as the shape. Where shapes change with wavelength,
+ * each further lobe (TileShape::further) has a slot after them, likewise with its own shape. Pixel i of a tile is (line
+ * in the tile) * columns + (column in the tile).
+ * Where a slot has several numbers, each of them is a plane, and a word's planes lie side by side, 16 numbers each, so
+ * that how many samples there are moves no plane. By pixel, one after the other:
+ *   hits      uint    [near words][RC_HIT_PLANES][16]  planes RC_HIT_*; RC_NONE in both where nothing was hit
+ *   surface   float   [words][RC_POINT_PLANES][16]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was hit; then
+ *                                               those of shapes
+ *   lift      float   [slots]                    m, how far along its normal the point was moved
  *   sun       ushort  [words]                    bit s % 16 of word s / 16: the sample sees the sun
- *   met_sky   float   [RC_SKY_PLANES][padded]    irradiance, by component: what the sample's rays into the sky add to
+ *   met_sky   float   [words][sky_planes][16]    irradiance, by component: what the sample's rays into the sky add to
  *                                               the share of the open sky that is taken for granted; zero where it
  *                                               sends none. With shapes (RC_SHAPED) open sky counts pi f times. Then
  *                                               that of lamps, by their sources, likewise
- *   glow      float   [RC_PATH_PARTS][1 + RC_LAMPS][RC_SKELETON]  where light goes on from surface to surface
+ *   glow      float   [RC_PATH_PARTS][1 + lamps][skeleton]  where light goes on from surface to surface
  *                                               (trace_bounce): by part of the samples, what it adds at the skeleton
  *                                               wavelengths, per light of sun, skies and heat together, then per
  *                                               light of each source of lamps; the parts' sum is the pixel's
  *   path_log  PathStep  [numbered path][levels + 1]  where a probe asks for it (RC_PATH_LOG)
- *   opaque    uint    [near slots]               where it is asked for (RC_FIRST_OPAQUE): the first primitive on the
- *                                               sample's ray that lets no light through, or RC_NONE
- * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
+ *   opaque    uint    [near slots]               where it is asked for: the first primitive on the sample's ray that
+ *                                               lets no light through, or RC_NONE
+ * Once for all pixels: chunk weights, float [near slots], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
  *   count     uint                               keys of the row, or RC_ROW_OVERFLOW
@@ -38,7 +38,7 @@
  *                             (weight * their irradiance), then the temperature nodes of emission (weight * node
  *                             weight of the material's temperature), each split over the height nodes by linear
  *                             weights. Of matter that is not Lambert's the node weights are times what its lobe
- *                             sends back of an even light towards the viewer (RC_LOBE_ALBEDO), so that a front has a
+ *                             sends back of an even light towards the viewer (lobe_albedo), so that a front has a
  *                             key more, RC_CURVE_LEANING, with what that is beyond 1
  *     [last]                  coverage: sum of sample weights (the material's abundance in the pixel)
  *   path      float   [carried][heights]         weight of all samples at the height nodes
@@ -102,125 +102,140 @@
 #define RC_ENVIRONMENT_NODES 4 /* nodes of the ground around that a pixel takes light from */
 
 #ifdef __OPENCL_C_VERSION__
-/* Build options (host/render/tile_shape.h gives a camera's programs those that they read; first rays know of the chunk
- * and the group alone) and what follows from them. */
-#ifndef RC_PIXELS_PER_GROUP
-#define RC_PIXELS_PER_GROUP RC_GROUP_WIDTH
+/* Build options (host/render/tile_shape.h), few: how much a kernel's own arrays hold, and what matter there may be,
+ * since what a scene does not contain costs nothing. Everything else is in TileShape. */
+#ifndef RC_CHUNK_SAMPLES
+#define RC_CHUNK_SAMPLES 1024 /* most samples of a pixel that one launch handles */
 #endif
-#ifndef RC_SKY_PLANES
-#define RC_SKY_PLANES RC_SKY_PLANES_OF(0)
+#ifndef RC_MOST_LIGHTS
+#define RC_MOST_LIGHTS 16 /* most sources that have a value for each sample */
 #endif
 #ifndef RC_SHAPED
-#define RC_SHAPED 0 /* 1: some material does not reflect by Lambert's law */
+#define RC_SHAPED 0 /* 1: some material may not reflect by Lambert's law */
 #endif
 #define RC_POINT_PLANES RC_POINT_PLANES_OF(RC_SHAPED)
 #ifndef RC_THROUGH
-#define RC_THROUGH 0 /* 1: some material lets light through */
+#define RC_THROUGH 0 /* 1: some material may let light through */
 #endif
 #ifndef RC_PLATES
-#define RC_PLATES 0 /* 1: through some material light goes straight on, which paths see; then RC_SHAPED is 1 too */
+#define RC_PLATES 0 /* 1: through some material light may go straight on, which paths see; then RC_SHAPED is 1 too */
 #endif
 #ifndef RC_GLOSSY
-#define RC_GLOSSY 0 /* 1: some material is glossy; then RC_SHAPED is 1 too */
+#define RC_GLOSSY 0 /* 1: some material may be glossy; then RC_SHAPED is 1 too */
 #endif
 #ifndef RC_FURTHER
-#define RC_FURTHER 0 /* further lobes of shapes that change with wavelength; then RC_SHAPED is 1 too */
-#endif
-#define RC_OWN_SIDES (1 + RC_THROUGH + RC_GLOSSY) /* slots of a sample that send rays; further lobes share theirs */
-#define RC_SIDES (RC_OWN_SIDES + RC_FURTHER)      /* slots of a sample */
-#ifndef RC_MATERIALS
-#define RC_MATERIALS 0 /* of the scene; asked for where a sample has more than one slot */
-#endif
-#ifndef RC_CHUNKED
-#define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples */
-#endif
-#ifndef RC_SUN
-#define RC_SUN 1 /* 1: the sun is a source of its own */
-#endif
-#ifndef RC_COMPONENTS
-#define RC_COMPONENTS 0 /* of the sky, surroundings included */
-#endif
-#ifndef RC_THERMAL_COMPONENTS
-#define RC_THERMAL_COMPONENTS 0 /* the last of RC_COMPONENTS */
-#endif
-#ifndef RC_LAMPS
-#define RC_LAMPS 0 /* sources of lamps */
-#endif
-#ifndef RC_TEMPERATURES
-#define RC_TEMPERATURES 0 /* nodes of emission */
-#endif
-#ifndef RC_LOBE_ALBEDO
-#define RC_LOBE_ALBEDO 0 /* 1: emission goes by the angle (kernels/light/lobe_albedo.h); then RC_SHAPED is 1 too */
-#endif
-#ifndef RC_COVERS
-#define RC_COVERS 0 /* 1: what covers a pixel is a term of its own: there is truth per band */
-#endif
-#ifndef RC_FIRST_OPAQUE
-#define RC_FIRST_OPAQUE 0 /* 1: what is opaque behind leaves and plates is asked for */
+#define RC_FURTHER 0 /* most further lobes of shapes that change with wavelength; then RC_SHAPED is 1 too */
 #endif
 #ifndef RC_SKELETON
-#define RC_SKELETON 16 /* wavelengths along paths, whole words; asked for where there are bounces */
+#define RC_SKELETON 16 /* most wavelengths along paths, whole words */
 #endif
 #ifndef RC_PATH_LOG
 #define RC_PATH_LOG 0 /* 1: every step of every path is handed over */
 #endif
-#define RC_GLOW_WIDTH ((1 + RC_LAMPS) * RC_SKELETON) /* of a part */
-#define RC_NEAR_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)
-#define RC_NEAR_WORDS (RC_NEAR_SAMPLES / RC_WORD)
-#define RC_PADDED_SAMPLES (RC_SIDES * RC_NEAR_SAMPLES)
-#define RC_WORDS (RC_PADDED_SAMPLES / RC_WORD)
-/* Sample of a chunk that a slot belongs to, which side of its surface the slot is (product_key.h), and the reverse. */
-#define RC_SAMPLE_OF(slot) (RC_SIDES > 1 ? (slot) % RC_NEAR_SAMPLES : (slot))
-#define RC_SIDE_OF(slot)                                        \
-  (RC_SIDES == 1 || (slot) < RC_NEAR_SAMPLES    ? RC_NEAR_SIDE  \
-   : RC_THROUGH && (slot) < 2 * RC_NEAR_SAMPLES ? RC_FAR_SIDE   \
-   : (slot) < RC_OWN_SIDES * RC_NEAR_SAMPLES    ? RC_GLOSS_SIDE \
-                                                : RC_FURTHER_SIDE + (slot) / RC_NEAR_SAMPLES - RC_OWN_SIDES)
-#define RC_SLOT_OF(sample, side)                                                   \
-  ((sample) + ((side) == RC_GLOSS_SIDE     ? 1u + RC_THROUGH                       \
-               : (side) >= RC_FURTHER_SIDE ? RC_OWN_SIDES + (side)-RC_FURTHER_SIDE \
-                                           : (side)) *                             \
-                  RC_NEAR_SAMPLES)
+#define RC_MOST_OWN_SIDES (1 + RC_THROUGH + RC_GLOSSY)
+#define RC_MOST_SIDES (RC_MOST_OWN_SIDES + RC_FURTHER)
+#define RC_NEAR_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES) /* most near slots of a pixel */
+#define RC_MOST_SLOTS (RC_MOST_SIDES * RC_NEAR_SAMPLES)
+
+/* A slot's sample, and which side of its surface the slot is (product_key.h), and the reverse. */
+static inline uint rc_sample_of(const TileShape* tile, uint slot) {
+  return RC_MOST_SIDES > 1 ? slot % tile->near : slot;
+}
+static inline uint rc_side_of(const TileShape* tile, uint slot) {
+  const uint number = RC_MOST_SIDES > 1 ? slot / tile->near : 0u;
+  return number == 0u                    ? RC_NEAR_SIDE
+         : number == 1u && tile->through ? RC_FAR_SIDE
+         : number < tile->own_sides      ? RC_GLOSS_SIDE
+                                         : RC_FURTHER_SIDE + number - tile->own_sides;
+}
+static inline uint rc_slot_of_side(const TileShape* tile, uint sample, uint side) {
+  return sample + tile->near * (side == RC_GLOSS_SIDE     ? 1u + tile->through
+                                : side >= RC_FURTHER_SIDE ? tile->own_sides + side - RC_FURTHER_SIDE
+                                                          : side);
+}
+/* Words of a pixel's near slots, and of all slots that send rays. */
+static inline uint rc_near_words(const TileShape* tile) { return tile->near / RC_WORD; }
+static inline uint rc_own_words(const TileShape* tile) { return tile->own_sides * (tile->near / RC_WORD); }
 /* Sources that have a value per sample, sun, sky, surroundings and lamps; emission follows them in a row. */
-#define RC_LIT (RC_SUN + RC_COMPONENTS + RC_LAMPS)
-#define RC_SOURCES (RC_LIT + RC_TEMPERATURES)
-#define RC_ACCUMULATORS RC_ROW_ACCUMULATORS(RC_SOURCES, RC_HEIGHTS)
-/* A pixel's first element in each buffer; planes begin RC_PLANE further, those of hits RC_HIT_PLANE. */
-#define RC_HITS_AT(pixel) ((size_t)(pixel) * (RC_HIT_PLANES * RC_NEAR_SAMPLES))
-#define RC_SURFACE_AT(pixel) ((size_t)(pixel) * (RC_POINT_PLANES * RC_PADDED_SAMPLES))
-#define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
-#define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
-#define RC_MET_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
-#define RC_GLOW_AT(pixel, part) (((size_t)(pixel)*RC_PATH_PARTS + (part)) * RC_GLOW_WIDTH) /* a part's first element */
-#define RC_FIRST_OPAQUE_AT(pixel) ((size_t)(pixel)*RC_NEAR_SAMPLES)
-#define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
-#define RC_HIT_PLANE(plane) ((plane)*RC_NEAR_SAMPLES)
+static inline uint rc_lights(const TileShape* tile) { return tile->sun + tile->components + tile->lamps; }
+static inline uint rc_sources(const TileShape* tile) { return rc_lights(tile) + tile->temperatures; }
+static inline uint rc_accumulators(const TileShape* tile) {
+  return RC_ROW_ACCUMULATORS(rc_sources(tile), tile->heights);
+}
+/* A word's planes in hits and surface, and how far its planes lie apart. */
+#define RC_PLANE(plane) ((plane)*RC_WORD)
+#define RC_HIT_WORD (RC_HIT_PLANES * RC_WORD)
+#define RC_SURFACE_WORD (RC_POINT_PLANES * RC_WORD)
+static inline uint rc_met_word(const TileShape* tile) { return tile->sky_planes * RC_WORD; }
+/* Where the first plane of a pixel's slot lies, from the pixel's first element. */
+static inline uint rc_hits_slot(uint slot) { return slot / RC_WORD * RC_HIT_WORD + slot % RC_WORD; }
+static inline uint rc_surface_slot(uint slot) { return slot / RC_WORD * RC_SURFACE_WORD + slot % RC_WORD; }
+static inline uint rc_met_slot(const TileShape* tile, uint slot) {
+  return slot / RC_WORD * rc_met_word(tile) + slot % RC_WORD;
+}
+/* A pixel's first element in each buffer. */
+static inline size_t rc_hits_at(const TileShape* tile, uint pixel) {
+  return (size_t)pixel * (RC_HIT_PLANES * tile->near);
+}
+static inline size_t rc_surface_at(const TileShape* tile, uint pixel) {
+  return (size_t)pixel * (RC_SURFACE_WORD * tile->words);
+}
+static inline size_t rc_lift_at(const TileShape* tile, uint pixel) { return (size_t)pixel * (RC_WORD * tile->words); }
+static inline size_t rc_sun_at(const TileShape* tile, uint pixel) { return (size_t)pixel * tile->words; }
+static inline size_t rc_met_sky_at(const TileShape* tile, uint pixel) {
+  return (size_t)pixel * (rc_met_word(tile) * tile->words);
+}
+static inline uint rc_glow_width(const TileShape* tile) { return (1u + tile->lamps) * tile->skeleton; } /* of a part */
+static inline size_t rc_glow_at(const TileShape* tile, uint pixel, uint part) {
+  return ((size_t)pixel * RC_PATH_PARTS + part) * rc_glow_width(tile);
+}
+static inline size_t rc_first_opaque_at(const TileShape* tile, uint pixel) { return (size_t)pixel * tile->near; }
 /* An item's first element, and a key's sums from there. */
-#define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
-#define RC_SUMS_OF_KEY(key) ((size_t)(key) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
-#define RC_PATH_AT(item) ((size_t)(item) * (RC_HEIGHTS * RC_CARRIED(RC_CHUNKED)))
-#define RC_TRUTH_AT(item) ((size_t)(item) * (RC_TRUTH_SUMS * RC_CARRIED(RC_CHUNKED)))
+static inline size_t rc_sums_of_key(const TileShape* tile, uint key) {
+  return (size_t)key * (rc_accumulators(tile) * RC_CARRIED(tile->chunked));
+}
+static inline size_t rc_sums_at(const TileShape* tile, uint item, uint capacity) {
+  return (size_t)item * capacity * (rc_accumulators(tile) * RC_CARRIED(tile->chunked));
+}
+static inline size_t rc_path_at(const TileShape* tile, uint item) {
+  return (size_t)item * (tile->heights * RC_CARRIED(tile->chunked));
+}
+static inline size_t rc_truth_at(const TileShape* tile, uint item) {
+  return (size_t)item * (RC_TRUTH_SUMS * RC_CARRIED(tile->chunked));
+}
 #else
 #include <cstddef>
 namespace raycube::shared {
 
 /// Elements of a pixel in the buffers of one chunk of its samples.
 struct TileElements {
-  std::size_t near, padded, words;  ///< slots of the near side; of a plane, and 16-bit words of them
+  std::size_t near, padded, words;  ///< slots of the near side; of all sides, and words of 16 of them
+  std::size_t point_planes, sky_planes;
   std::size_t hits, surface, lift, sun, met_sky, glow;
-  constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes, bool shaped = false, std::size_t sides = 1,
+  constexpr TileElements(std::size_t chunk_samples, std::size_t met_planes, bool shaped = false, std::size_t sides = 1,
                          std::size_t glow_of_part = 0)
       : near(RC_PADDED(chunk_samples)),
         padded(sides * near),
         words(padded / RC_WORD),
+        point_planes(RC_POINT_PLANES_OF(shaped)),
+        sky_planes(met_planes),
         hits(RC_HIT_PLANES * near),
         surface(RC_POINT_PLANES_OF(shaped) * padded),
         lift(padded),
         sun(words),
-        met_sky(sky_planes * padded),
+        met_sky(met_planes * padded),
         glow(RC_PATH_PARTS * glow_of_part) {}
+  /// A plane of a slot, from the pixel's first element.
+  static constexpr std::size_t hits_at(std::size_t plane, std::size_t slot) { return at(RC_HIT_PLANES, plane, slot); }
+  constexpr std::size_t surface_at(std::size_t plane, std::size_t slot) const { return at(point_planes, plane, slot); }
+  constexpr std::size_t met_sky_at(std::size_t plane, std::size_t slot) const { return at(sky_planes, plane, slot); }
   constexpr std::size_t bytes() const {
     return hits * sizeof(rc_uint) + (surface + lift + met_sky + glow) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
+  }
+
+ private:
+  static constexpr std::size_t at(std::size_t planes, std::size_t plane, std::size_t slot) {
+    return (slot / RC_WORD * planes + plane) * RC_WORD + slot % RC_WORD;
   }
 };
 

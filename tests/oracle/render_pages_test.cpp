@@ -110,8 +110,8 @@ TEST_CASE(
     std::set<std::size_t> block_pages, instance_pages;
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
       for (std::uint32_t s = 0; s < shape.elements().padded; ++s) {
-        const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s],
-                            primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
+        const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)],
+                            primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE, s)];
         if (instance == RC_NONE) continue;
         instance_pages.insert(instance / buffers.instances[0].size());
         block_pages.insert(primitive / RC_BLOCK / buffers.blocks[0].size());

@@ -154,7 +154,7 @@ struct Traced {
     sun = chain.sun({0.5f, -0.3f, std::sqrt(1 - 0.34f), 0});
   }
   reference::Hit at(const TraceShape& shape, std::uint32_t pixel, std::uint32_t s) const {
-    return {hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s], hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s]};
+    return {hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)], hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE, s)]};
   }
 };
 

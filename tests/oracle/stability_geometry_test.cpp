@@ -63,7 +63,7 @@ Lit lit_samples(const cl::Context& context, const scene::CompiledScene& scene, c
   Lit sum;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-      const bool hit = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] != RC_NONE;
+      const bool hit = hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)] != RC_NONE;
       sum.hits += hit;
       sum.lit += hit && shape.sees_sun(mask, pixel, s);
     }
@@ -124,8 +124,8 @@ TEST_CASE("stability: a low-poly sphere and a view from 20 km: each face is lit 
       std::size_t lit = 0, dark = 0, wrong = 0;
       for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
         for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-          const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
-          if (hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] == RC_NONE) continue;
+          const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE, s)];
+          if (hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)] == RC_NONE) continue;
           const auto& corner = mesh.triangles[scene::owner_of(scene, 0, primitive).triangle];
           double p[3][3], n[3], cosine = 0;
           for (int k = 0; k < 3; ++k)
@@ -220,7 +220,7 @@ TEST_CASE("stability: a part of 1 mm on and above terrain of 100 km is hit by th
                          y = std::abs(ray.direction[1] / ray.direction[2]) * above;
             if (std::abs(std::max(x, y) - kHalf) < 1e-6) continue;  // fp32 rays from 1 m: 0.06 um, times roundings
             const bool inside = std::max(x, y) < kHalf;
-            const bool on_part = hits[shape.hits_at(line * shape.columns + column, RC_HIT_INSTANCE) + s] == 1;
+            const bool on_part = hits[shape.hits_at(line * shape.columns + column, RC_HIT_INSTANCE, s)] == 1;
             met += inside;
             wrong += inside != on_part;
           }

@@ -225,14 +225,15 @@ TEST_CASE("DESIGN 4: tiles, chunks of samples and single rays change no bit") {
   }());
   const auto right = by_line.primary(test::nadir_groups(line, 0.3, -0.2, 60, 0.7, 60, 0.01));
   for (std::uint32_t column = 0; column < 10; ++column)
-    for (std::uint32_t k = 0; k < whole.elements().hits; ++k)
-      CHECK(right[line.hits_at(column, 0) + k] == all[whole.hits_at(4 * 18 + 8 + column, 0) + k]);
+    for (std::uint32_t plane = 0; plane < RC_HIT_PLANES; ++plane)
+      for (std::uint32_t k = 0; k < whole.elements().near; ++k)
+        CHECK(right[line.hits_at(column, plane, k)] == all[whole.hits_at(4 * 18 + 8 + column, plane, k)]);
   test::TraceChain by_chunk(first_context(), scene, part);
   for (std::uint32_t first = 0; first < 48; first += 16) {
     const auto some = by_chunk.primary(groups, first);
     for (std::uint32_t pixel = 0; pixel < whole.pixels(); ++pixel)
       for (std::uint32_t row = 0; row < RC_HIT_PLANES; ++row)
         for (std::uint32_t k = 0; k < 16; ++k)
-          CHECK(some[part.hits_at(pixel, row) + k] == all[whole.hits_at(pixel, row) + first + k]);
+          CHECK(some[part.hits_at(pixel, row, k)] == all[whole.hits_at(pixel, row, first + k)]);
   }
 }

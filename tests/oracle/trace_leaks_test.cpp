@@ -19,7 +19,7 @@ std::size_t misses(const std::vector<std::uint32_t>& hits, const TraceShape& sha
   std::size_t count = 0;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s)
-      count += hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] == RC_NONE;
+      count += hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)] == RC_NONE;
   return count;
 }
 

@@ -82,10 +82,10 @@ std::vector<Met> met_of_pixel(const scene::CompiledScene& scene, const test::Dou
     const SkyPart share = rc_sky_shares(shape.sampler, nu, nv, rays, shape.seed, pixel, part);
     for (rc_u32 i = 0; i < share.rays; ++i) {
       const rc_u32 s = rc_sky_sample(share, nu, samples, rays, shape.seed, pixel, part, i);
-      const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
+      const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE, s)];
       if (primitive == RC_NONE) continue;
-      const std::size_t n = shape.elements().padded;
-      const float* at = surface.data() + shape.surface_at(pixel, 0) + s;
+      constexpr std::size_t n = RC_WORD;
+      const float* at = surface.data() + shape.surface_at(pixel, 0, s);
       const ::SkyRay ray = rc_sky_ray(plan::sky_density(plan), shape.seed, pixel, rc_sky_number(samples, rays, part, i),
                                       at[RC_NORMAL_X * n], at[RC_NORMAL_Y * n], at[RC_NORMAL_Z * n]);
       ++out[s].rays;
@@ -136,7 +136,7 @@ TEST_CASE("S8 S16 met sky is the same rays' sum in double: solar components, the
       const auto expected = met_of_pixel(scene, oracle, plan, shape, pixel, hits, surface);
       for (std::uint32_t s = 0; s < shape.elements().padded; ++s)
         for (int m = 0; m < RC_SKY_PLANES_OF(shape.components); ++m) {
-          const float found = met[shape.met_sky_at(pixel, std::size_t(m)) + s];
+          const float found = met[shape.met_sky_at(pixel, std::size_t(m), s)];
           if (s >= shape.samples() || m >= shape.components || expected[s].rays == 0) {
             unasked += found != 0;
             continue;
@@ -181,8 +181,8 @@ TEST_CASE("S8 S16 met sky is the same for all samples at once, in any chunks, an
       for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
         for (std::size_t m = 0; m < 2; ++m)
           for (std::uint32_t s = first; s < std::min(first + kChunk, shape.samples()); ++s) {
-            const float at_once = met[shape.met_sky_at(pixel, m) + s];
-            other += found[part.met_sky_at(pixel, m) + s - first] != at_once;
+            const float at_once = met[shape.met_sky_at(pixel, m, s)];
+            other += found[part.met_sky_at(pixel, m, s - first)] != at_once;
             brought += at_once != 0;
           }
     }
@@ -208,7 +208,7 @@ TEST_CASE(
     std::size_t count = 0;
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
       for (std::uint32_t s = 0; s < shape.samples(); ++s)
-        count += hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] != RC_NONE;
+        count += hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)] != RC_NONE;
     return count;
   }();
   CHECK(on_line > 10'000);

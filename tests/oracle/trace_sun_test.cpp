@@ -40,16 +40,16 @@ TEST_CASE(
   const auto mask = chain.sun(sun);
 
   const test::DoubleTracer oracle(scene);
-  const std::size_t n = shape.elements().padded;
+  constexpr std::size_t n = RC_WORD;
   std::size_t lit = 0, dark = 0, wrong_side = 0, far_off = 0, sun_wrong = 0;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
-    for (std::uint32_t s = 0; s < n; ++s) {
-      const float* at = surface.data() + shape.surface_at(pixel, 0) + s;
+    for (std::uint32_t s = 0; s < shape.elements().padded; ++s) {
+      const float* at = surface.data() + shape.surface_at(pixel, 0, s);
       const double point[3] = {at[RC_POINT_X * n], at[RC_POINT_Y * n], at[RC_POINT_Z * n]};
       const float normal[3] = {at[RC_NORMAL_X * n], at[RC_NORMAL_Y * n], at[RC_NORMAL_Z * n]};
       const bool seen = shape.sees_sun(mask, pixel, s);
-      const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s],
-                          primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
+      const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)],
+                          primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE, s)];
       if (instance == RC_NONE) {
         CHECK(normal[2] == 0);
         CHECK(!seen);
@@ -146,14 +146,14 @@ TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court li
       const auto mask = chain.sun(towards);
       for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
         for (std::uint32_t sample = 0; sample < shape.samples(); ++sample) {
-          if (hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + sample] == RC_NONE) continue;
+          if (hits[shape.hits_at(pixel, RC_HIT_INSTANCE, sample)] == RC_NONE) continue;
           ++points;
           const bool seen = shape.sees_sun(mask, pixel, sample);
           if (!seen && ++dark <= 3)
             MESSAGE((bundle ? "bundle" : "single") << " direction " << k << " pixel " << pixel << " point "
-                                                   << surface[shape.surface_at(pixel, RC_POINT_X) + sample] << " "
-                                                   << surface[shape.surface_at(pixel, RC_POINT_Y) + sample] << " "
-                                                   << surface[shape.surface_at(pixel, RC_POINT_Z) + sample]);
+                                                   << surface[shape.surface_at(pixel, RC_POINT_X, sample)] << " "
+                                                   << surface[shape.surface_at(pixel, RC_POINT_Y, sample)] << " "
+                                                   << surface[shape.surface_at(pixel, RC_POINT_Z, sample)]);
         }
     }
     MESSAGE((bundle ? "bundle" : "single") << ": points and directions " << points << ", dark " << dark);

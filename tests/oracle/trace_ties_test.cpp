@@ -204,8 +204,8 @@ void compare_primary(const Placed& placed, std::uint32_t seed, int pixels_per_gr
   const auto single = test::TraceChain(first_context(), placed.scene, shape).primary(groups);
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-      const std::size_t at = shape.hits_at(pixel, RC_HIT_INSTANCE) + s,
-                        primitive = shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s;
+      const std::size_t at = shape.hits_at(pixel, RC_HIT_INSTANCE, s),
+                        primitive = shape.hits_at(pixel, RC_HIT_PRIMITIVE, s);
       ++found.rays;
       found.hits += truth[at] != RC_NONE;
       found.single += truth[at] != single[at] || truth[primitive] != single[primitive];
@@ -239,8 +239,8 @@ void compare_shadows(const Placed& placed, std::uint32_t seed, Differences& foun
         if (random.whole(0, 2)) aim = target(placed, random);
         const double back = random.whole(0, 2) ? spread * random.whole(-4, 16) : 0;
         for (std::uint32_t k = 0; k < 3; ++k) {
-          points[shape.surface_at(pixel, RC_POINT_X + k) + s] = static_cast<float>(aim[k] - back * d[k]);
-          points[shape.surface_at(pixel, RC_NORMAL_X + k) + s] = static_cast<float>(d[k]);
+          points[shape.surface_at(pixel, RC_POINT_X + k, s)] = static_cast<float>(aim[k] - back * d[k]);
+          points[shape.surface_at(pixel, RC_NORMAL_X + k, s)] = static_cast<float>(d[k]);
         }
       }
     }

@@ -31,15 +31,15 @@ static Hit brute(global const TriBlock* blocks, global const Instance* instances
 
 kernel void brute_primary(global const TriBlock* blocks, global const Instance* instances,
                           global const uint* ranges, uint count,
-                          global const RayGroup* groups, global uint* hits, uint sampler, uint samples_u,
-                          uint samples_v, float sample_support, uint seed, uint columns) {
+                          global const RayGroup* groups, global uint* hits, TileShape tile, uint sampler,
+                          uint samples_u, uint samples_v, float sample_support, uint seed, uint columns) {
   const Sampling sampling = RC_GATHER_SAMPLING();
   const uint index = get_global_id(0);
-  const GroupPlace place = rc_group_place(groups, index, columns);
+  const GroupPlace place = rc_group_place(&tile, groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p) {
-    global uint* out = hits + RC_HITS_AT(place.pixel + p);
-    for (uint k = 0; k < RC_NEAR_SAMPLES; ++k) {
+    global uint* out = hits + rc_hits_at(&tile, place.pixel + p);
+    for (uint k = 0; k < tile.near; ++k) {
       Hit hit;
       hit.instance = hit.primitive = RC_NONE;
       if (k < samples_u * samples_v) {
@@ -48,29 +48,30 @@ kernel void brute_primary(global const TriBlock* blocks, global const Instance* 
         hit = brute(blocks, instances, ranges, count, group.origin, rc_group_offset(group, a, b),
                     rc_group_direction(group, a, b));
       }
-      out[k] = hit.instance;
-      out[RC_HIT_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;
+      out[rc_hits_slot(k)] = hit.instance;
+      out[rc_hits_slot(k) + RC_PLANE(RC_HIT_PRIMITIVE)] = hit.primitive;
     }
   }
 }
 
 kernel void brute_sun(global const TriBlock* blocks, global const Instance* instances,
                       global const uint* ranges, uint count,
-                      global const float* surface, global ushort* sun_mask, float4 sun) {
+                      global const float* surface, global ushort* sun_mask, TileShape tile, float4 sun) {
   const uint pixel = get_global_id(0);
-  global const float* in = surface + RC_SURFACE_AT(pixel);
-  for (uint word = 0; word < RC_WORDS; ++word) {
+  global const float* in = surface + rc_surface_at(&tile, pixel);
+  for (uint word = 0; word < tile.words; ++word) {
     uint seen = 0;
     for (uint k = word * 16u; k < word * 16u + 16u; ++k) {
-      const float4 normal = (float4)(in[RC_PLANE(RC_NORMAL_X) + k], in[RC_PLANE(RC_NORMAL_Y) + k],
-                                     in[RC_PLANE(RC_NORMAL_Z) + k], 0.0f);
-      const float4 point = (float4)(in[RC_PLANE(RC_POINT_X) + k], in[RC_PLANE(RC_POINT_Y) + k],
-                                    in[RC_PLANE(RC_POINT_Z) + k], 0.0f);
+      global const float* at = in + rc_surface_slot(k);
+      const float4 normal =
+          (float4)(at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)], 0.0f);
+      const float4 point =
+          (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
       if (!(fma(sun.x, normal.x, fma(sun.y, normal.y, sun.z * normal.z)) > 0.0f)) continue;
       if (brute(blocks, instances, ranges, count, point, (float4)(0.0f), sun).instance == RC_NONE)
         seen |= 1u << (k % 16u);
     }
-    sun_mask[RC_SUN_AT(pixel) + word] = (ushort)seen;
+    sun_mask[rc_sun_at(&tile, pixel) + word] = (ushort)seen;
   }
 }
 )";
@@ -104,9 +105,9 @@ BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& s
 
 std::vector<std::uint32_t> BruteTrace::primary(std::span<const shared::RayGroup> groups) {
   groups_.write(numbered(groups, shape_));
-  primary_.arguments(blocks_, instances_, ranges_, count_, groups_, hits_, static_cast<std::uint32_t>(shape_.sampler),
-                     static_cast<std::uint32_t>(shape_.nu), static_cast<std::uint32_t>(shape_.nv), shape_.support,
-                     shape_.seed, shape_.columns);
+  primary_.arguments(blocks_, instances_, ranges_, count_, groups_, hits_, shape_.arguments(),
+                     static_cast<std::uint32_t>(shape_.sampler), static_cast<std::uint32_t>(shape_.nu),
+                     static_cast<std::uint32_t>(shape_.nv), shape_.support, shape_.seed, shape_.columns);
   context_.launch(primary_, shape_.groups());
   context_.finish();
   return hits_.read_all();
@@ -114,7 +115,7 @@ std::vector<std::uint32_t> BruteTrace::primary(std::span<const shared::RayGroup>
 
 std::vector<std::uint16_t> BruteTrace::sun(std::span<const float> points, const shared::rc_float4& direction) {
   points_.write(points);
-  sun_.arguments(blocks_, instances_, ranges_, count_, points_, sun_mask_, direction);
+  sun_.arguments(blocks_, instances_, ranges_, count_, points_, sun_mask_, shape_.arguments(), direction);
   context_.launch(sun_, shape_.pixels());
   context_.finish();
   return sun_mask_.read_all();

@@ -19,8 +19,8 @@ HitCount judge_hits(const cl::Context& context, const scene::CompiledScene& scen
         const std::uint32_t number = (shape.first_line + line) * shape.pixels_per_line + shape.first_column + column;
         const auto ray =
             host_ray(groups[line * shape.groups_per_line() + column / shape.pixels_per_group], shape, number, p, s);
-        const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s],
-                            primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
+        const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE, s)],
+                            primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE, s)];
         const auto truth = oracle.closest(ray.origin, ray.direction);
         ++count.rays;
         count.hits += instance != RC_NONE;

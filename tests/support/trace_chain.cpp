@@ -12,7 +12,8 @@
 
 namespace raycube::test {
 
-std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene, const std::string& kernel) {
+namespace {
+render::StageShape stage_shape(const TraceShape& s) {
   render::StageShape shape;
   shape.samples_u = s.nu, shape.samples_v = s.nv, shape.samples = s.nu * s.nv;
   shape.sampler = static_cast<scene::SamplerKind>(s.sampler);
@@ -21,9 +22,16 @@ std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene
   shape.chunk_samples = static_cast<int>(s.chunk_samples());
   shape.pixels_per_group = s.pixels_per_group;
   shape.components = s.components, shape.thermal_components = s.thermal_components;
-  const render::ProgramOptions programs = render::program_options(shape, scene.stack_bound());
-  std::string options = (kernel == "trace_primary" ? programs.primary : programs.trace) +
-                        " -Werror -DRC_BUNDLE=" + std::to_string(s.bundle);
+  return shape;
+}
+}  // namespace
+
+shared::TileShape TraceShape::arguments() const { return stage_shape(*this).arguments(); }
+
+std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene, const std::string& kernel) {
+  const render::ProgramOptions programs = render::program_options(stage_shape(s), scene.stack_bound(), true);
+  std::string options = kernel == "trace_primary" ? programs.primary : programs.trace;
+  if (!s.bundle) options += " -DRC_BUNDLE=0";
   if (s.visits > 0) options += " -DRC_PRIMARY_BUDGET(rays)=" + std::to_string(s.visits) + "u";
   return options;
 }
@@ -119,9 +127,11 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
 cl::Kernel& TraceChain::kernel(const std::string& name) {
   for (auto& [known, kernel] : kernels_)
     if (known == name) return kernel;
-  const cl::Program program(context_, name, kernels::kernel_source(name),
-                            name == "trace_primary" ? primary_options_ : options_);
-  return kernels_.emplace_back(name, cl::Kernel(program, name)).second;
+  const bool first = name == "trace_primary";
+  const auto program =
+      context_.program(first ? name : "trace_light", kernels::kernel_source(first ? name : "trace_light"),
+                       first ? primary_options_ : options_);
+  return kernels_.emplace_back(name, cl::Kernel(*program, name)).second;
 }
 
 std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample) {
@@ -129,7 +139,8 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
   first_sample_ = first_sample;
   count_ = std::min(shape_.chunk_samples(), shape_.samples() - first_sample);
   kernel("trace_primary")
-      .arguments(render::TracePrimaryArguments{.nodes = scene_.nodes,
+      .arguments(render::TracePrimaryArguments{.tile = shape_.arguments(),
+                                               .nodes = scene_.nodes,
                                                .blocks = scene_.blocks,
                                                .instances = scene_.instances,
                                                .groups = groups_,
@@ -148,7 +159,8 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
 
 std::vector<float> TraceChain::surface() {
   kernel("make_surface")
-      .arguments(render::MakeSurfaceArguments{.blocks = scene_.blocks,
+      .arguments(render::MakeSurfaceArguments{.tile = shape_.arguments(),
+                                              .blocks = scene_.blocks,
                                               .instances = scene_.instances,
                                               .lobes = scene_.lobes,
                                               .groups = groups_,
@@ -184,7 +196,8 @@ void TraceChain::set_surface(std::span<const float> points) {
 
 std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
   kernel("trace_sun")
-      .arguments(render::TraceSunArguments{.nodes = scene_.nodes,
+      .arguments(render::TraceSunArguments{.tile = shape_.arguments(),
+                                           .nodes = scene_.nodes,
                                            .blocks = scene_.blocks,
                                            .instances = scene_.instances,
                                            .groups = groups_,
@@ -211,7 +224,8 @@ std::vector<float> TraceChain::sky(const plan::Plan& plan) {
              cosine = static_cast<float>(std::cos(plan.sky.sun_azimuth_rad));
   kernel("trace_sky")
       .arguments(
-          render::TraceSkyArguments{.nodes = scene_.nodes,
+          render::TraceSkyArguments{.tile = shape_.arguments(),
+                                    .nodes = scene_.nodes,
                                     .blocks = scene_.blocks,
                                     .instances = scene_.instances,
                                     .lobes = scene_.lobes,

@@ -15,7 +15,7 @@
 
 namespace raycube::test {
 
-/// What a launch is specialised for and its size; see kernels/geometry/trace_args.h.
+/// What a launch works on; see kernels/geometry/trace_args.h.
 struct TraceShape {
   int nu = 4, nv = 4;
   int chunk = 0;    ///< 0: nu * nv
@@ -35,16 +35,18 @@ struct TraceShape {
   shared::TileElements elements() const {
     return {chunk_samples(), static_cast<std::size_t>(RC_SKY_PLANES_OF(components))};
   }
-  /// Slot 0 of a pixel's plane in hits, surface and met sky.
-  std::size_t hits_at(std::size_t pixel, std::size_t plane) const {
-    return pixel * elements().hits + plane * elements().near;
+  /// A plane of a pixel's slot in hits, surface and met sky.
+  std::size_t hits_at(std::size_t pixel, std::size_t plane, std::size_t slot = 0) const {
+    return pixel * elements().hits + shared::TileElements::hits_at(plane, slot);
   }
-  std::size_t surface_at(std::size_t pixel, std::size_t plane) const {
-    return pixel * elements().surface + plane * elements().padded;
+  std::size_t surface_at(std::size_t pixel, std::size_t plane, std::size_t slot = 0) const {
+    return pixel * elements().surface + elements().surface_at(plane, slot);
   }
-  std::size_t met_sky_at(std::size_t pixel, std::size_t plane) const {
-    return pixel * elements().met_sky + plane * elements().padded;
+  std::size_t met_sky_at(std::size_t pixel, std::size_t plane, std::size_t slot = 0) const {
+    return pixel * elements().met_sky + elements().met_sky_at(plane, slot);
   }
+  /// The same as kernels are told.
+  shared::TileShape arguments() const;
   /// Whether the mask has sample s of a pixel see the sun.
   bool sees_sun(const std::vector<std::uint16_t>& mask, std::size_t pixel, std::size_t s) const {
     return mask[pixel * elements().sun + s / RC_WORD] >> (s % RC_WORD) & 1;

@@ -43,40 +43,27 @@ if(NOT clangs)
 endif()
 message("parsing with ${clangs}")
 
-set(rows -DRC_CHUNK_SAMPLES=121 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -DRC_PATH_X=2 -DRC_PATH_Y=2
-  -DRC_CHANNELS=9 -DRC_PIXELS_PER_GROUP=4)
+set(matter -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_PLATES=1 -DRC_GLOSSY=1)
+set(further ${matter} -DRC_FURTHER=8 -DRC_FURTHER_RECORDS=8)
+string(REPLACE ";" " " matter "${matter}")
+string(REPLACE ";" " " further "${further}")
+set(pages "-DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10")
 set(failures "")
 foreach(packed IN ITEMS
-    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace_light.cl
-      -DRC_SKY_PLANES=8"
-    "trace_light.cl -DRC_SKY_PLANES=8 -DRC_BUNDLE=0" "probe_structs.cl -" "trace_primary.cl -DRC_SCATTER=0"
-    "trace_primary.cl -DRC_SCATTER=1"
-    "trace_primary.cl -DRC_SCATTER=1 -DRC_SUPPORT=1.5f" "trace_primary.cl -DRC_MOVING=1 -DRC_PIXELS_PER_GROUP=1"
-    "trace_primary.cl -DRC_BUNDLE=0" "trace_light.cl -DRC_MOVING=1 -DRC_PIXELS_PER_GROUP=1" "trace_light.cl
-      -DRC_BUNDLE=0"
-    "trace_primary.cl -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10
-      -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
-    "trace_primary.cl -DRC_SCATTER=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12"
-    "trace_light.cl -DRC_THROUGH=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10"
-    "trace_light.cl -DRC_SHAPED=1" "trace_light.cl -DRC_BUNDLE=0 -DRC_SHAPED=1" "rows.cl 0 -DRC_SHAPED=1"
-    "trace_light.cl -DRC_THROUGH=1"
-    "rows.cl 0 -DRC_THROUGH=1 -DRC_MATERIALS=7" "rows.cl 1 -DRC_THROUGH=1 -DRC_MATERIALS=7 -DRC_SHAPED=1"
-    "trace_light.cl -DRC_GLOSSY=1 -DRC_SHAPED=1" "trace_light.cl -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
-    "trace_light.cl -DRC_THROUGH=1 -DRC_FIRST_OPAQUE=1"
-    "rows.cl 0 -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_MATERIALS=7"
-    "trace_bounce.cl -DRC_SKELETON=32 -DRC_SUN=1 -DRC_MATERIALS=7"
-    "trace_bounce.cl -DRC_SKELETON=16 -DRC_SUN=0 -DRC_MATERIALS=7 -DRC_GLOSSY=1 -DRC_SHAPED=1 -DRC_THROUGH=1"
-    "trace_light.cl -DRC_LAMPS=2 -DRC_THROUGH=1 -DRC_SKY_PLANES=8"
-    "trace_light.cl -DRC_LAMPS=1 -DRC_GLOSSY=1 -DRC_SHAPED=1"
-    "trace_bounce.cl -DRC_LAMPS=1 -DRC_SKELETON=16 -DRC_MATERIALS=7 -DRC_GLOSSY=1 -DRC_SHAPED=1"
-    "trace_light.cl -DRC_FURTHER=2 -DRC_FURTHER_RECORDS=2 -DRC_SHAPED=1"
-    "trace_light.cl -DRC_BUNDLE=0 -DRC_FURTHER=1 -DRC_SHAPED=1"
-    "trace_light.cl -DRC_FURTHER=3 -DRC_FURTHER_RECORDS=3 -DRC_SHAPED=1 -DRC_GLOSSY=1 -DRC_THROUGH=1 -DRC_LAMPS=1"
-    "trace_bounce.cl -DRC_FURTHER=3 -DRC_FURTHER_RECORDS=3 -DRC_SHAPED=1 -DRC_GLOSSY=1 -DRC_THROUGH=1 -DRC_LAMPS=1
-      -DRC_SKELETON=16 -DRC_MATERIALS=7 -DRC_PATH_LOG=1"
-    "trace_light.cl -DRC_FURTHER_RECORDS=2 -DRC_THROUGH=1"
-    "rows.cl 0 -DRC_FURTHER=3 -DRC_FURTHER_RECORDS=3 -DRC_SHAPED=1 -DRC_GLOSSY=1 -DRC_THROUGH=1 -DRC_MATERIALS=7"
-    "rows.cl 0 -DRC_LAMPS=2 -DRC_SKY_PLANES=8 -DRC_SKELETON=32 -DRC_MATERIALS=7"
+    "probe_structs.cl -"
+    "trace_primary.cl -" "trace_primary.cl -DRC_GRID=1" "trace_primary.cl -DRC_BUNDLE=0" "trace_primary.cl ${pages}"
+    "trace_primary.cl -DRC_GRID=1 ${pages} -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
+    "trace_primary.cl -DRC_CHUNK_SAMPLES=48"
+    "trace_light.cl -" "trace_light.cl -DRC_THROUGH=1" "trace_light.cl ${matter}" "trace_light.cl ${further}"
+    "trace_light.cl -DRC_FURTHER_RECORDS=8 -DRC_THROUGH=1" "trace_light.cl -DRC_BUNDLE=0"
+    "trace_light.cl ${further} -DRC_BUNDLE=0" "trace_light.cl -DRC_THROUGH=1 ${pages}"
+    "trace_light.cl -DRC_CHUNK_SAMPLES=48 -DRC_MOST_LIGHTS=3"
+    "trace_bounce.cl -" "trace_bounce.cl -DRC_SKELETON=32" "trace_bounce.cl -DRC_THROUGH=1" "trace_bounce.cl ${matter}"
+    "trace_bounce.cl ${further} -DRC_SKELETON=32" "trace_bounce.cl ${further} -DRC_PATH_LOG=1"
+    "trace_bounce.cl -DRC_PATH_LOG=1"
+    "rows.cl -" "rows.cl -DRC_THROUGH=1" "rows.cl ${matter}" "rows.cl ${further}"
+    "rows.cl -DRC_FURTHER_RECORDS=8 -DRC_THROUGH=1" "rows.cl -DRC_CHUNK_SAMPLES=48 -DRC_MOST_LIGHTS=3"
+    "rows.cl -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15"
     "trace_photons.cl -DRC_STACK=96"
     "trace_photons.cl -DRC_STACK=96 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12"
     "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1" "lidar_beam.cl
@@ -91,14 +78,10 @@ foreach(packed IN ITEMS
       -DRC_PLATES=1 -DRC_LEAVES=1 -DRC_GLOSS=1 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_HITS=1 -DRC_SHADOWS=1"
     "lidar_shots.cl -DRC_FOLDED=1 -DRC_ROW_WINDOW=4096"
     "lidar_shots.cl -DRC_FOLDED=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=2 -DRC_PLATES=1 -DRC_SHADOWS=1"
-    "lidar_shots.cl -DRC_BOUNCES=2 -DRC_SHAPED=1" "lidar_shots.cl -DRC_SHAPED=1 -DRC_GLOSS=1 -DRC_RECEIVER=1"
-    "rows.cl 0 -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15")
+    "lidar_shots.cl -DRC_BOUNCES=2 -DRC_SHAPED=1" "lidar_shots.cl -DRC_SHAPED=1 -DRC_GLOSS=1 -DRC_RECEIVER=1")
   separate_arguments(words UNIX_COMMAND "${packed}")
   list(POP_FRONT words entry)
-  if(entry STREQUAL "rows.cl")
-    list(POP_FRONT words chunked)
-    list(APPEND words ${rows} -DRC_CHUNKED=${chunked})
-  elseif(entry MATCHES "^trace_(primary|light|bounce)")
+  if(entry MATCHES "^trace_(primary|light|bounce)")
     list(APPEND words -DRC_STACK=92)
   elseif(entry MATCHES "lidar_")
     list(APPEND words -DRC_TAPS_PADDED=32)

@@ -1,4 +1,4 @@
-// The layout of a tile's buffers as kernels compute it from their build options, against the host's own sizes; and what
+// The layout of a tile's buffers as kernels compute it from their arguments, against the host's own sizes; and what
 // argument lists refuse.
 #include <doctest/doctest.h>
 
@@ -18,28 +18,27 @@ namespace {
 using namespace raycube;
 
 constexpr const char* kProbe = R"(
-kernel void probe_layout(global ulong* at) {
-  at[0] = RC_PADDED_SAMPLES;
-  at[1] = RC_WORDS;
-  at[2] = RC_HITS_AT(3);
-  at[3] = RC_SURFACE_AT(3);
-  at[4] = RC_LIFT_AT(3);
-  at[5] = RC_SUN_AT(3);
-  at[6] = RC_MET_SKY_AT(3);
-  at[7] = RC_SUMS_OF_KEY(1);
-  at[8] = RC_SUMS_AT(3, 16);
-  at[9] = RC_PATH_AT(3);
-  at[10] = RC_TRUTH_AT(3);
-  at[11] = RC_PLANE(RC_NORMAL_Z);
-  at[12] = rc_group_of(37, 10, RC_PIXELS_PER_GROUP);
-}
-)";
-
-/// What the program of first rays, which knows neither matter nor sky, shares with the others.
-constexpr const char* kHitsProbe = R"(
-kernel void probe_hits(global ulong* at) {
-  at[0] = RC_HITS_AT(3);
-  at[1] = RC_HIT_PLANE(RC_HIT_PRIMITIVE);
+kernel void probe_layout(TileShape tile, global ulong* at) {
+  at[0] = RC_WORD * tile.words;
+  at[1] = rc_near_words(&tile);
+  at[2] = rc_hits_at(&tile, 3);
+  at[3] = rc_surface_at(&tile, 3);
+  at[4] = rc_lift_at(&tile, 3);
+  at[5] = rc_sun_at(&tile, 3);
+  at[6] = rc_met_sky_at(&tile, 3);
+  at[7] = rc_sums_of_key(&tile, 1);
+  at[8] = rc_sums_at(&tile, 3, 16);
+  at[9] = rc_path_at(&tile, 3);
+  at[10] = rc_truth_at(&tile, 3);
+  at[11] = rc_glow_at(&tile, 3, 2);
+  at[12] = rc_group_of(37, 10, tile.pixels_per_group);
+  const uint slot = 16 * tile.words - 3;
+  at[13] = rc_hits_slot(5) + RC_PLANE(RC_HIT_PRIMITIVE);
+  at[14] = rc_surface_slot(slot) + RC_PLANE(RC_NORMAL_Z);
+  at[15] = rc_met_slot(&tile, slot) + RC_PLANE(1);
+  at[16] = rc_sample_of(&tile, slot);
+  at[17] = rc_side_of(&tile, slot);
+  at[18] = rc_slot_of_side(&tile, at[16], at[17]);
 }
 )";
 
@@ -64,35 +63,41 @@ render::StageShape two_sided(render::StageShape shape) {
 TEST_CASE("tile layout: kernels and host agree on planes, strides and sizes, whatever the shape") {
   for (cl::Device& device : cl::list_devices()) {
     const cl::Context context(std::move(device));
+    const bool on_cpu = context.device().info().is_cpu;
     for (const render::StageShape& shape :
          {shape_of(121, 1, 4, 0, 2), two_sided(shape_of(121, 1, 4, 0, 2)), shape_of(16, 3, 0, 0, 1),
           shape_of(7, 1, 5, 1, 3), shape_of(1000, 2, 8, 4, 5)}) {
       CAPTURE(shape.chunk_samples);
-      const cl::Program program(context, "layout", std::string(kernels::kernel_source("resolve")) + kProbe,
-                                render::program_options(shape, 92).rows + " -Werror");
-      cl::Kernel kernel(program, "probe_layout");
-      cl::Buffer<std::uint64_t> found(context, 13, cl::Access::read_write, "layout");
-      kernel.arguments(found);
+      const auto program = context.program("layout", std::string(kernels::kernel_source("rows")) + kProbe,
+                                           render::program_options(shape, 92, on_cpu).rows + " -Werror");
+      cl::Kernel kernel(*program, "probe_layout");
+      cl::Buffer<std::uint64_t> found(context, 19, cl::Access::read_write, "layout");
+      kernel.arguments(shape.arguments(), found);
       context.launch(kernel, 1);
       const shared::TileElements tile = shape.tile();
       const shared::RowElements rows = shape.rows(16);
-      const std::vector<std::uint64_t> expected{tile.padded,   tile.words,    3 * tile.hits,    3 * tile.surface,
-                                                3 * tile.lift, 3 * tile.sun,  3 * tile.met_sky, rows.sums_of_key,
-                                                3 * rows.sums, 3 * rows.path, 3 * rows.truth,   5 * tile.padded,
-                                                3 * 3 + 7 / 4};  // pixel 7 of line 3, three groups a line
+      const std::size_t slot = tile.padded - 3;
+      const std::vector<std::uint64_t> expected{
+          tile.padded,
+          tile.near / 16,
+          3 * tile.hits,
+          3 * tile.surface,
+          3 * tile.lift,
+          3 * tile.sun,
+          3 * tile.met_sky,
+          rows.sums_of_key,
+          3 * rows.sums,
+          3 * rows.path,
+          3 * rows.truth,
+          static_cast<std::uint64_t>((3 * RC_PATH_PARTS + 2) * (1 + shape.lamps) * shape.skeleton_padded()),
+          3 * 3 + 7 / 4,  // pixel 7 of line 3, three groups a line
+          tile.hits_at(RC_HIT_PRIMITIVE, 5),
+          tile.surface_at(RC_NORMAL_Z, slot),
+          tile.met_sky_at(1, slot),
+          slot % tile.near,
+          shape.matter.through ? RC_FAR_SIDE : RC_NEAR_SIDE,
+          slot};
       CHECK(found.read_all() == expected);
-
-      const auto hits_of = [&](const char* source, const std::string& options) {
-        const cl::Program of(context, "hits", std::string(kernels::kernel_source(source)) + kHitsProbe, options);
-        cl::Kernel probe(of, "probe_hits");
-        cl::Buffer<std::uint64_t> told(context, 2, cl::Access::read_write, "layout of hits");
-        probe.arguments(told);
-        context.launch(probe, 1);
-        return told.read_all();
-      };
-      const std::vector<std::uint64_t> hits{3 * tile.hits, tile.near};
-      CHECK(hits_of("trace_primary", render::program_options(shape, 92).primary) == hits);
-      CHECK(hits_of("resolve", render::program_options(shape, 92).rows) == hits);
     }
   }
 }
@@ -127,8 +132,9 @@ TEST_CASE("argument lists: another type, a constant buffer to write, or nothing 
 TEST_CASE("argument lists: those of another kernel are refused") {
   for (cl::Device& device : cl::list_devices()) {
     const cl::Context context(std::move(device));
-    const cl::Program program(context, "resolve", kernels::kernel_source("resolve"),
-                              render::program_options(shape_of(16, 1, 0, 0, 1), 92).rows);
+    const cl::Program program(
+        context, "rows", kernels::kernel_source("rows"),
+        render::program_options(shape_of(16, 1, 0, 0, 1), 92, context.device().info().is_cpu).rows);
     cl::Kernel kernel(program, "resolve");
     const cl::Buffer<float> numbers(context, 1, cl::Access::read_only, "numbers");
     const cl::Buffer<std::uint32_t> counts(context, 1, cl::Access::read_only, "counts");
