@@ -94,7 +94,7 @@ shared::TileShape StageShape::arguments() const {
           .covers = count(covers),
           .skeleton = count(skeleton_padded()),
           .lobe_albedo = count(lobe_albedo),
-          .pad = 0};
+          .plates = count(matter.plates)};
 }
 
 namespace {

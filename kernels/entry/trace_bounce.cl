@@ -70,13 +70,14 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
             rc_slot_ray(cosine, tables.seed ^ 0x2545f491u, number, path_number, side == RC_GLOSS_SIDE, lobes, at);
         float4 point = (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
 #if RC_PLATES
-        rc_put_first_plate(&tables, &first, i, straight, at, lift[rc_lift_at(&tile, place.pixel + p) + slot],
-                           sun[rc_sun_at(&tile, place.pixel + p) + slot / RC_WORD] >> slot % RC_WORD & 1u, &ray,
-                           &point);
-        first.over_chance[i] = rc_over_chance(side, near, gloss);
-#else
-        if (!(ray.facing > 0.0f)) continue;
+        if (tile.plates) {
+          rc_put_first_plate(&tables, &first, i, straight, at, lift[rc_lift_at(&tile, place.pixel + p) + slot],
+                             sun[rc_sun_at(&tile, place.pixel + p) + slot / RC_WORD] >> slot % RC_WORD & 1u, &ray,
+                             &point);
+          first.over_chance[i] = rc_over_chance(side, near, gloss);
+        }
 #endif
+        if (!(RC_PLATES && tile.plates) && !(ray.facing > 0.0f)) continue;
         const float4 way = (float4)(ray.x, ray.y, ray.z, 0.0f);
         rc_put_ray(&first.rays, i, point, way);
         if (!(ray.z > 0.0f) || straight)

@@ -1,0 +1,8 @@
+#include "atmos_tables/solver/order_of_nodes.h"
+
+namespace raycube::atmos::solver {
+
+template OrderSolution solve_with_nodes<2>(const ScaledColumn& column, int order);
+template OrderSolution solve_with_nodes<4>(const ScaledColumn& column, int order);
+
+}  // namespace raycube::atmos::solver
