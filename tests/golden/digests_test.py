@@ -2,16 +2,25 @@
 """SHA-256 of every product of a list of scenes, against the figures that were recorded: what is moved about in the tree
 may not move a bit. One scene for each form that kernels are built in (samplers, motion, point spread, chunks, adaptive
 samples, sources of light, nodes, ground around; of LIDARs detectors, sampling, bounces, plates, leaves, gloss, volumes,
-turbulence). usage: digests_test.py RAYCUBE FOLDER [--write]
-Bits are those of one device and driver: FOLDER has a file for each that was met, its first line the name; on another
-the test renders nothing, is skipped (77) and says so. --write records what is found instead of comparing; where bits
-were meant to move, the files of other devices are no longer true, and go. Left out: run.json (times), pictures that
-matplotlib draws, the day in a LAS header.
+turbulence). usage: digests_test.py RAYCUBE FOLDER [--set NAME] [--write | --within]
+
+Bits are those of the instruction set that PoCL compiles kernels for, not of a processor's maker or name: FOLDER has a
+file for each set that was met (avx2.csv). Besides they may depend on the versions of PoCL, of LLVM, of the C library
+(whose functions have forms for processors with and without FMA) and of the C++ compiler, which the second line states
+and a failure compares. A processor that has more than AVX2 is told by the environment to compile for AVX2
+(kernel_target.py), so each with AVX2 is held to that record; what it has of its own is held to the record of that set.
+Where there is none, some of the scenes are rendered in several ways that may not change a bit (threads, tiles, width of
+vectors) and compared with each other, which the last line says. Nothing is skipped.
+
+--write records what is found instead of comparing; where bits were meant to move, the files of other sets are no longer
+true, and go. --set NAME compiles for a lesser set than the processor's. --within compares the ways alone. Left out:
+run.json (times), pictures that matplotlib draws, the day in a LAS header.
 """
 
+import argparse
 import csv
 import hashlib
-import json
+import os
 import pathlib
 import re
 import shutil
@@ -20,11 +29,19 @@ import sys
 import tempfile
 import time
 
+import kernel_target
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 from driver import PULSE_AND_RECEIVER, Program  # noqa: E402
 
-program = Program(sys.argv[1])
-folder, write = pathlib.Path(sys.argv[2]), "--write" in sys.argv[3:]
+parser = argparse.ArgumentParser()
+parser.add_argument("raycube")
+parser.add_argument("folder", type=pathlib.Path)
+parser.add_argument("--set", choices=kernel_target.PROCESSORS)
+parser.add_argument("--write", action="store_true")
+parser.add_argument("--within", action="store_true")
+arguments = parser.parse_args()
+program, folder = Program(arguments.raycube), arguments.folder
 
 # Flat ground of two halves, a mixed and a checkered plate, a box that shades, a tree, small plates; no two of one
 # reflectance.
@@ -219,6 +236,13 @@ LIDARS = {
         'particles = { extinction_per_m = 0.05 }'
     ),
 }
+SMALL_TILES = "small tiles"
+SCENES = [*CAMERAS, *("lidar_" + name for name in LIDARS)]
+#: Where no record fits: some of them, of each kind of sampling, air, light and detection.
+WITHIN = [
+    *("grid", "small_objects", "adaptive", "few_sky_rays", "point_spread", "whiskbroom", "ground_around", "lamps"),
+    *("lidar_linear", "lidar_bounces", "lidar_leaves", "lidar_array", "lidar_smoke"),
+]
 POSES = "x_m,y_m,z_m,roll_deg,pitch_deg,heading_deg\n" + "".join(
     f"{-3 + 0.3 * i:.3f},{-7 + 1.1 * i:.3f},{200 + 0.2 * i:.3f},{0.4 * (i % 3) - 0.3:.3f},{0.3 * (i % 4) - 0.5:.3f},"
     f"{3 + 0.9 * i:.3f}\n"
@@ -252,63 +276,166 @@ def hashed(path):
     return hashlib.sha256(data).hexdigest()
 
 
-def this_device():
-    """Name and driver of the one that renders by default."""
-    text = subprocess.run([sys.argv[1], "devices", "--json"], check=True, capture_output=True, text=True).stdout
-    first = json.loads(text)["devices"][0]
-    return f"{first['name']}, {first['driver']}"
+class Record:
+    """A file of FOLDER: two lines on what it was made with, then scene, product and SHA-256."""
+
+    def __init__(self, path):
+        self.path = path
+        self.digests, self.versions = {}, ""
+        if path.exists():
+            with open(path, newline="") as file:
+                file.readline()
+                self.versions = file.readline().strip("# \n")
+                self.digests = {(row["scene"], row["product"]): row["sha256"] for row in csv.DictReader(file)}
+
+    def write(self, kernels, versions, products):
+        lines = [f"# {kernels.set}: kernels that PoCL compiles for {kernels.device.processor}\n", f"# {versions}\n"]
+        lines += ["scene,product,sha256\n"]
+        lines += [f"{scene},{file},{digest}\n" for (scene, file), digest in products.items()]
+        self.path.write_text("".join(lines))
 
 
-def records():
-    """Device -> its file."""
-    return {path.read_text().partition("\n")[0][2:]: path for path in sorted(folder.glob("*.csv"))}
+def render_in_least_memory(words, env):
+    """By tiles of one group of pixels, of one pulse: the program says what the least is where it is given less."""
+    memory = 1
+    while memory:
+        run = [program.path, *map(str, words), "--overwrite", "--memory", str(memory)]
+        done = subprocess.run(run, capture_output=True, text=True, env={**os.environ, **env})
+        needed = re.search(r"need (\d+) bytes", done.stderr)
+        assert done.returncode == 0 or (needed and int(needed[1]) > memory), (run, done.returncode, done.stderr)
+        memory = int(needed[1]) if done.returncode else 0
 
 
-def name_of_file(device):
-    return re.sub(r"[^A-Za-z0-9.+-]+", "_", device) + ".csv"
+def digests_of(work, name, env, *options):
+    """(scene, file) -> digest of what one scene renders; `options` of the program, or SMALL_TILES."""
+    file = written(work, name)
+    words = ["render", file, "-o", file.parent / "out", "-q"]
+    if SMALL_TILES in options:
+        render_in_least_memory([*words, *(each for each in options if each != SMALL_TILES)], env)
+    else:
+        program.run(*words, *options, env=env)
+    folders = sorted(path for path in (file.parent / "out").iterdir() if path.is_dir())
+    out = {(name, path.name): path for folder in folders for path in sorted(folder.iterdir())}
+    digests = {key: hashed(path) for key, path in out.items() if path.name != "run.json"}
+    shutil.rmtree(file.parent)
+    return digests
 
 
-def found(work):
-    """(scene, file) -> digest, in order of the lists."""
-    out = {}
-    program.run("new", work / "garden", "-q")
-    for name in [*CAMERAS, *("lidar_" + name for name in LIDARS)]:
-        file = written(work, name)
-        began = time.monotonic()
-        program.run("render", file, "-o", file.parent / "out", "-q")
-        for folder in sorted(path for path in (file.parent / "out").iterdir() if path.is_dir()):
-            for path in sorted(folder.iterdir()):
-                if path.name != "run.json":
-                    out[name, path.name] = hashed(path)
-        shutil.rmtree(file.parent)
-        print(f"{name}: {time.monotonic() - began:.1f} s")
+class Kernels:
+    """The program with kernels of one instruction set: the device's own, or one that it is asked for."""
+
+    def __init__(self, asked=None):
+        self.env = kernel_target.asking_for(asked) if asked else {}
+        self.device = kernel_target.Device(program.path, self.env)
+        self.set = self.device.instruction_set()
+        self.chosen = ["--device", self.device.number]
+
+    def render(self, work, name, *options):
+        return digests_of(work, name, self.env, *self.chosen, *options)
+
+    def found(self):
+        """Of all scenes, in order of the lists."""
+        out = {}
+        with tempfile.TemporaryDirectory() as work:
+            program.run("new", pathlib.Path(work) / "garden", "-q")
+            for name in SCENES:
+                began = time.monotonic()
+                out.update(self.render(pathlib.Path(work), name))
+                print(f"{name}: {time.monotonic() - began:.1f} s", flush=True)
+        return out
+
+
+def versions_here(device):
+    text = subprocess.run([program.path, "--version"], check=True, capture_output=True, text=True).stdout
+    return kernel_target.versions(device, re.search(r"; (.*?)(?:, \w+)?\)", text)[1])
+
+
+def moved(before, after):
+    """Products that differ, or that are not in both."""
+    return [
+        f"{scene}: {file}"
+        for scene, file in sorted(before | after)
+        if before.get((scene, file)) != after.get((scene, file))
+    ]
+
+
+def held_to_record(kernels, record):
+    """Products that moved; says so, and what else is not as it was recorded."""
+    products = kernels.found()
+    lines = moved(record.digests, products)
+    for line in lines:
+        print("moved, or not in both:", line)
+    here = versions_here(kernels.device)
+    if lines and here != record.versions:
+        print(f"recorded with {record.versions}; here {here}: a bit that moved may be theirs")
+    print(
+        f"digests: {kernels.set}: {len(products)} products of {len(SCENES)} scenes, {len(lines)} moved "
+        f"({kernels.device.name})"
+    )
+    return lines
+
+
+def ways_of(kernels):
+    """What may not change a bit: name -> (kernels, options of `render`)."""
+    out = {SMALL_TILES: (kernels, [SMALL_TILES])}
+    if kernels.device.is_cpu:
+        out["one thread"] = (kernels, ["--threads", "1"])
+    if kernels.set and kernels.set != "sse2":
+        narrow = Kernels("avx2" if kernels.set == "avx512" else "sse2")
+        if narrow.set != kernels.set:
+            out[f"vectors of {narrow.set}"] = (narrow, [])
     return out
 
 
-device, known = this_device(), records()
-if device not in known and not write:
-    on = "; ".join(known)
-    print(f"digests: SKIPPED: recorded on {on}, this is {device}; bits are those of one device and driver")
-    sys.exit(77)
-with tempfile.TemporaryDirectory() as work:
-    products = found(pathlib.Path(work))
-if write:
-    lines = [f"# {device}\n", "scene,product,sha256\n"] + [
-        f"{scene},{file},{digest}\n" for (scene, file), digest in products.items()
-    ]
-    to = known.get(device, folder / name_of_file(device))
-    to.write_text("".join(lines))
-    print(f"digests: {len(products)} products of {len(CAMERAS) + len(LIDARS)} scenes written to {to}")
+def held_to_itself(kernels, why):
+    """Products that some way to compute them changes; says what was compared, and why."""
+    ways, lines, products = ways_of(kernels), [], 0
+    with tempfile.TemporaryDirectory() as work:
+        work = pathlib.Path(work)
+        program.run("new", work / "garden", "-q")
+        for name in WITHIN:
+            began = time.monotonic()
+            expected = kernels.render(work, name)
+            products += len(expected)
+            for way, (other, options) in ways.items():
+                if kernels.set == "avx512" and other is not kernels and name.startswith("lidar_"):
+                    continue  # AVX-512 takes reciprocals of its own there: kernels/geometry/lanes.h, rc_inverse16
+                lines += [f"{line} ({way})" for line in moved(expected, other.render(work, name, *options))]
+            print(f"{name}: {time.monotonic() - began:.1f} s", flush=True)
+    for line in lines:
+        print("not the same:", line)
+    print(
+        f"digests: {why}: {products} products of {len(WITHIN)} scenes were compared within this device "
+        f"({kernels.device.name}), as they come by {', '.join(ways)}: {len(lines)} differ"
+    )
+    return lines
+
+
+def compared(asked):
+    """What differs from the records, and where none fits within the device."""
+    own, lines, lacking = Kernels(asked), [], []
+    # Each processor with AVX2 is held to that record, whatever it has besides.
+    for name in ["avx2", "avx512"] if own.set == "avx512" and not asked else [own.set]:
+        kernels, record = Kernels(name), folder / f"{name}.csv"
+        if name is None:
+            lacking.append("no record for a device that is no x86-64 processor")
+        elif kernel_target.SETS.get(kernels.device.processor) != name:
+            lacking.append(f"asked for {name}, PoCL compiles for {kernels.device.processor}")
+        elif not record.exists():
+            lacking.append(f"no record for {name} ({sys.argv[0]} RAYCUBE FOLDER --set {name} --write makes one)")
+        else:
+            lines += held_to_record(kernels, Record(record))
+    return lines + (held_to_itself(own, "; ".join(lacking)) if lacking else [])
+
+
+if arguments.write:
+    kernels = Kernels(arguments.set)
+    products, to = kernels.found(), Record(folder / f"{kernels.set}.csv")
+    to.write(kernels, versions_here(kernels.device), products)
+    print(f"digests: {len(products)} products of {len(SCENES)} scenes written to {to.path}")
     sys.exit(0)
-with open(known[device], newline="") as file:
-    file.readline()
-    recorded = {(row["scene"], row["product"]): row["sha256"] for row in csv.DictReader(file)}
-moved = [
-    f"{scene}: {file}"
-    for (scene, file) in sorted(set(recorded) | set(products))
-    if recorded.get((scene, file)) != products.get((scene, file))
-]
-for line in moved:
-    print("moved, or not in both:", line)
-print(f"digests: {len(products)} products of {len(CAMERAS) + len(LIDARS)} scenes, {len(moved)} moved")
-sys.exit(1 if moved else 0)
+if arguments.within:
+    different = held_to_itself(Kernels(arguments.set), "no record was read, as --within asks")
+else:
+    different = compared(arguments.set)
+sys.exit(1 if different else 0)
