@@ -29,6 +29,8 @@ const std::vector<Case>& all_cases() {
        run_check},
       {"lidar", "pulses traced and binned against Embree doing the same; pulses a second with waveforms and echoes",
        run_lidar},
+      {"lines", "3000 spectral lines summed at 4001 wavenumbers in the whole air, against every profile at every one",
+       run_lines},
       {"leaks", "1e8 camera rays and 1e8 rays aimed at edges through closed meshes", run_leaks},
       {"roofline", "each stage of the park: bytes and flops over the write bandwidth and the FMA peak", run_roofline},
   };

@@ -43,6 +43,7 @@ Programs programs_of_run(const std::string& run_json);
 void run_integrate(const Settings&, Report&);
 void run_check(const Settings&, Report&);
 void run_lidar(const Settings&, Report&);
+void run_lines(const Settings&, Report&);
 void run_leaks(const Settings&, Report&);
 void run_roofline(const Settings&, Report&);
 

@@ -3,13 +3,13 @@ maps as GDAL reads them; and a whole way from a rendered scene to its curve."""
 
 import json
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
 import sklearn.metrics
 
+import patience
 from analysis_kit import Analysis, layers, values, write_cube
 from driver import Program
 
@@ -172,7 +172,7 @@ def regions(folder):
 
 def on_the_map(folder, value, triangle, inside):
     """Outlines in the cube's own coordinates, and in degrees; maps keep the cube's place."""
-    system = subprocess.run(
+    system = patience.run(
         ["gdalsrsinfo", "-o", "wkt1_esri", "--single-line", "EPSG:32632"], capture_output=True, text=True, check=True
     )
     placed = write_cube(
@@ -185,7 +185,7 @@ def on_the_map(folder, value, triangle, inside):
     ring = [[477000 + 2 * a, 5472000 - 2 * b] for a, b in triangle]
     on_map = folder / "map.csv"
     on_map.write_text('name,WKT\nlawn,"POLYGON((' + ",".join(f"{a} {b}" for a, b in ring) + '))"\n')
-    subprocess.run(
+    patience.run(
         [
             "ogr2ogr",
             "-f",
@@ -199,7 +199,7 @@ def on_the_map(folder, value, triangle, inside):
         ],
         check=True,
     )
-    subprocess.run(
+    patience.run(
         ["ogr2ogr", "-f", "GeoJSON", "-t_srs", "EPSG:4326", folder / "degrees.geojson", folder / "map.gpkg"], check=True
     )
     for file in ("map.gpkg", "degrees.geojson"):
@@ -211,7 +211,7 @@ def on_the_map(folder, value, triangle, inside):
     analyze(folder, "detect", placed, "--detector", "rx", "--detector", "mf", "--target", "t=0:0,0:0")
     for verb, name in (("kmeans", "kmeans"), ("detect", "detect")):
         info = json.loads(
-            subprocess.run(
+            patience.run(
                 ["gdalinfo", "-json", folder / verb / f"{name}.tif"], capture_output=True, text=True, check=True
             ).stdout
         )
@@ -219,7 +219,7 @@ def on_the_map(folder, value, triangle, inside):
         program.check(
             '"EPSG",32632' in info["coordinateSystem"]["wkt"] or "UTM" in info["coordinateSystem"]["wkt"], info
         )
-        subprocess.run(
+        patience.run(
             [
                 "gdal_translate",
                 "-q",

@@ -66,7 +66,7 @@ def scene(folder, aod):
         "samples = { jittered = [32, 32] }\n"
         "bands = { first_nm = 420.0, step_nm = 12.0, count = 160, fwhm_nm = 10.0 }\n"
     )
-    program.run("render", folder / "scene.toml", "-o", folder / "out", "--overwrite", "-q", "-q", timeout=600)
+    program.run("render", folder / "scene.toml", "-o", folder / "out", "--overwrite", "-q", "-q")
     return folder / "out/camera/radiance.img", folder / "out/camera/truth.img"
 
 

@@ -2,15 +2,44 @@
 what a plot holds. Usage: atmos_build_test.py RAYCUBE"""
 
 import json
+import os
 import pathlib
+import pty
+import re
 import signal
+import subprocess
 import sys
 import tempfile
-import time
 
+import patience
 from driver import Program
 
 program = Program(sys.argv[1])
+
+
+def mid_build(table, env):
+    """A build of a minute that has told on its terminal of some wavelengths that are done, halted there."""
+    command = ["atmos", "build", "--model", "layered", "--sun-zenith", "50", "--threads", "1", "-o", table]
+    terminal, its_end = pty.openpty()
+    started = subprocess.Popen(
+        [program.path, *command], stdout=subprocess.DEVNULL, stderr=its_end, env={**os.environ, **env}
+    )
+    os.close(its_end)
+    os.set_blocking(terminal, False)
+    shown = b""
+
+    def some_are_done():
+        nonlocal shown
+        try:
+            shown += os.read(terminal, 1 << 16)
+        except OSError:  # nothing new, or ended
+            pass
+        return re.search(rb"[1-9]\d*/\d+ wavelengths", shown)
+
+    patience.until(some_are_done, "the first wavelengths of a table", started)
+    return patience.halted(started)
+
+
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
     cache = folder / "cache"
@@ -25,23 +54,8 @@ with tempfile.TemporaryDirectory() as name:
     # Stopped in the middle, by Ctrl-C and by a signal no program can see: no table, no cached file, and the next run
     # works.
     for how, status in ((signal.SIGINT, 130), (signal.SIGKILL, -9)):
-        started = program.start_listening(
-            "atmos",
-            "build",
-            "--model",
-            "layered",
-            "--sun-zenith",
-            "50",
-            "--threads",
-            "1",
-            "-o",
-            folder / "long.rct",
-            env=env,
-        )
-        time.sleep(0.7)  # of a minute
-        program.check(started.poll() is None)
-        started.send_signal(how)
-        started.communicate(timeout=60)
+        started = mid_build(folder / "long.rct", env)
+        patience.signalled(started, how)
         program.check(started.returncode == status, started.returncode)
         program.check([path.name for path in folder.iterdir() if path != cache] == [], list(folder.iterdir()))
         program.check(not list(cache.rglob("*.rct")), list(cache.rglob("*")))
@@ -65,7 +79,7 @@ with tempfile.TemporaryDirectory() as name:
     program.check(sorted(path.name for path in kept.iterdir()) == [files[0].name])
 
     # A name that is taken is known before the work, not after it.
-    said = build("one.rct", "--from", "0.4", "--to", "2.4", status=2, timeout=20).stderr
+    said = build("one.rct", "--from", "0.4", "--to", "2.4", status=2).stderr
     program.check("one.rct" in said and "wavelengths" not in said, said)
 
     # What a table of both sources draws.

@@ -4,10 +4,10 @@ usage: bench_programs_test.py RAYCUBE RAYCUBE_BENCH"""
 
 import json
 import pathlib
-import subprocess
 import sys
 import tempfile
 
+import patience
 from driver import Program, record, scene
 
 program = Program(sys.argv[1])
@@ -17,7 +17,7 @@ with tempfile.TemporaryDirectory() as work:
     small = scene(work, "small")
 
     def bench(run_json):
-        return subprocess.run([sys.argv[2], "--scene", small, "--check-run", run_json], capture_output=True, text=True)
+        return patience.run([sys.argv[2], "--scene", small, "--check-run", run_json], capture_output=True, text=True)
 
     run("render", small, "-o", work / "out")
     (made,) = work.glob("out/*/run.json")

@@ -13,13 +13,15 @@ import subprocess
 import sys
 import tempfile
 
+import patience
+
 raycube = str(pathlib.Path(sys.argv[1]).resolve())
 checks = 0
 
 
 def run(*arguments, status=0, env=None, **more):
     more.setdefault("stdout", subprocess.PIPE)
-    done = subprocess.run(
+    done = patience.run(
         [raycube, *map(str, arguments)], stderr=subprocess.PIPE, text=True, env={**os.environ, **(env or {})}, **more
     )
     assert done.returncode == status, f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"

@@ -5,9 +5,10 @@ import os
 import pathlib
 import signal
 import subprocess
-import time
 
 import numpy
+
+import patience
 
 #: Level ground under a LIDAR: its material and its plane.
 GROUND = """[[material]]
@@ -57,35 +58,47 @@ class Program:
         self.checks = 0
 
     def run(self, *arguments, status=0, env=None, **more):
-        more.setdefault("timeout", float(os.environ.get("RAYCUBE_TEST_PATIENCE_S", 300)))
-        done = subprocess.run(
-            [self.path, *map(str, arguments)], capture_output=True, text=True, env={**os.environ, **(env or {})}, **more
+        done = patience.run(
+            [self.path, *arguments], capture_output=True, text=True, env={**os.environ, **(env or {})}, **more
         )
         assert (
             done.returncode == status
         ), f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"
         return done
 
-    def start(self, *arguments, env=None):
+    def start(self, *arguments, env=None, **more):
         return subprocess.Popen(
             [self.path, *map(str, arguments)],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
             env={**os.environ, **(env or {})},
+            **more,
         )
 
     def start_listening(self, *arguments, env=None):
         """Started, and so far that SIGINT reaches the program's own handler: a signal that comes while its libraries
         are still loaded ends it as any program."""
         process = self.start(*arguments, env=env)
-        while process.poll() is None:
-            with open(f"/proc/{process.pid}/status") as file:
-                caught = next((line.split()[1] for line in file if line.startswith("SigCgt")), "0")
-            if int(caught, 16) >> (signal.SIGINT - 1) & 1:
-                break
-            time.sleep(0.005)
+        patience.until(
+            lambda: process.poll() is not None
+            or int(patience.status_of(process.pid, "SigCgt") or "0", 16) >> (signal.SIGINT - 1) & 1,
+            "the program's handler of SIGINT",
+        )
         return process
+
+    def mid_write(self, written, *arguments, **more):
+        """A run that has written something into a file that `written`, a folder and a pattern, matches, and is halted
+        there: however fast the machine, it lives and has not ended when what comes next is done to it."""
+        process = self.start(*arguments, **more)
+        patience.until(lambda: _has_content(*written), f"the first bytes of {'/'.join(map(str, written))}", process)
+        assert patience.halted(process).poll() is None, (process.args, "ended before it was halted", process.returncode)
+        return process
+
+    def mid_render(self, file, out, **more):
+        """A render in the middle of its cube, halted; `file` is one that goes on for long."""
+        arguments = ("render", file, "-o", out, "--memory", "32M", "-q")
+        return self.mid_write((out / "camera", ".radiance.img.*"), *arguments, **more)
 
     def check(self, condition, *what):
         self.checks += 1
@@ -99,6 +112,13 @@ class Program:
         for part in says:
             self.check(part in done.stderr, part, done.stderr)
         return done
+
+
+def _has_content(folder, pattern):
+    try:
+        return any(path.stat().st_size > 0 for path in folder.glob(pattern) if path.is_file())
+    except OSError:  # gone meanwhile
+        return False
 
 
 def camera(pixels, lines, grid, first_nm, step_nm=10, count=1, fwhm_nm=10):

@@ -2,12 +2,12 @@
 which a panel must come to lie where the scene has it."""
 
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
 
+import patience
 from driver import Program, envi
 from optics_kit import HEAD, camera, panel, with_origin
 
@@ -25,7 +25,7 @@ def on_map(folder, **more):
     (folder / "scene.toml").write_text(text)
     program.run("render", folder / "scene.toml", "-o", folder / "out", "--overwrite", "-q", "-q")
     cube = folder / "out/camera/radiance.vrt"
-    subprocess.run(
+    patience.run(
         ["gdalwarp", "-q", "-overwrite", "-geoloc", "-tr", "0.5", "0.5", "-of", "ENVI", cube, folder / "map.img"],
         check=True,
         cwd="/",

@@ -6,16 +6,17 @@ import json
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
+
+import patience
 
 build, cmake = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
 environment = {k: v for k, v in os.environ.items() if k != "RAYCUBE_DATA"}
 
 
 def run(*command, status=0, **more):
-    done = subprocess.run(
+    done = patience.run(
         [str(c) for c in command], capture_output=True, text=True, env=more.pop("env", environment), **more
     )
     assert done.returncode == status, f"{command}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"

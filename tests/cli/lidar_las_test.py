@@ -9,9 +9,10 @@ import json
 import math
 import pathlib
 import struct
-import subprocess
 import sys
 import tempfile
+
+import patience
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "support"))
 from las_packets import Las, place  # noqa: E402
@@ -176,25 +177,25 @@ def damaged(program, folder, las):
     }
     for name, (content, says) in cases.items():
         (folder / name).write_bytes(content)
-        done = subprocess.run([program, "info", folder / name], capture_output=True, text=True)
+        done = patience.run([program, "info", folder / name], capture_output=True, text=True)
         errors = [line for line in done.stderr.splitlines() if "error" in line]
         check(done.returncode == 2 and len(errors) == 1 and says in errors[0] and done.stdout == "", name, done)
     if las.encoding & 4:
         (folder / "cut.las").write_bytes(raw)
         (folder / "cut.wdp").write_bytes(las.packet_store()[:5000])
-        done = subprocess.run([program, "info", folder / "cut.las"], capture_output=True, text=True)
+        done = patience.run([program, "info", folder / "cut.las"], capture_output=True, text=True)
         check(done.returncode == 2 and "cut.wdp: is cut short" in done.stderr, done)
 
 
 def shown(program, folder, name, las, expected):
     """`raycube info` against what this reader found."""
-    text = subprocess.run([program, "info", folder / f"{name}.las"], capture_output=True, text=True)
+    text = patience.run([program, "info", folder / f"{name}.las"], capture_output=True, text=True)
     check(
         text.returncode == 0 and "LAS 1.4" in text.stdout and f"{las.count} points" in text.stdout.replace(",", ""),
         text,
     )
     said = json.loads(
-        subprocess.run([program, "info", "--json", folder / f"{name}.las"], capture_output=True, text=True).stdout
+        patience.run([program, "info", "--json", folder / f"{name}.las"], capture_output=True, text=True).stdout
     )
     check(
         said["kind"] == "las"
@@ -231,7 +232,7 @@ def main():
     samples, program = sys.argv[1:3]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        subprocess.run([samples, folder], check=True)
+        patience.run([samples, folder], check=True)
         expected = json.loads((folder / "expected.json").read_text())
         check(
             sorted(p.name for p in folder.iterdir())
@@ -247,7 +248,7 @@ def main():
             shown(program, folder, file, las, content)
         damaged(program, folder, Las(folder / "nine.las"))
         (folder / "nine.wdp").unlink()
-        lone = subprocess.run([program, "info", folder / "nine.las"], capture_output=True, text=True)
+        lone = patience.run([program, "info", folder / "nine.las"], capture_output=True, text=True)
         check(lone.returncode == 0 and "missing" in lone.stderr, lone)
     print(f"{checks} checks")
 

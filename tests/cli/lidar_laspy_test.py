@@ -10,6 +10,8 @@ import subprocess
 import sys
 import tempfile
 
+import patience
+
 try:
     import laspy
     import numpy
@@ -108,7 +110,7 @@ def compare(las, expected):
 def runs(program, folder):
     """The files of whole runs, external and internal waveforms."""
     for name, pixels, waves in (("survey", 1, "external"), ("flash", 64, "internal")):
-        subprocess.run(
+        patience.run(
             [program, name, folder / name],
             check=True,
             env={**os.environ, "RAYCUBE_DATA": str(folder)},
@@ -144,7 +146,7 @@ def packed(program, folder, data):
     """LAZ holds what LAS holds, beside it or instead of it, and points into the same packets."""
     environment = {**os.environ, "RAYCUBE_DATA": data, "RAYCUBE_PYTHON": sys.executable}
     for name in ("packed", "packed_alone"):
-        subprocess.run([program, name, folder / name], check=True, env=environment)
+        patience.run([program, name, folder / name], check=True, env=environment)
         check((folder / name / "returns.las").exists() == (name == "packed"))
         check((folder / name / "returns.wdp").exists())
         check(not [path for path in (folder / name).iterdir() if path.name.startswith(".")], "scratch left")
@@ -169,7 +171,7 @@ def packed(program, folder, data):
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        subprocess.run([sys.argv[1], folder], check=True)
+        patience.run([sys.argv[1], folder], check=True)
         expected = json.loads((folder / "expected.json").read_text())
         for file, content in expected["files"].items():
             compare(laspy.read(folder / f"{file}.las"), content)

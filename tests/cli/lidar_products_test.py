@@ -19,6 +19,7 @@ import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "support"))
+import patience
 from driver import envi  # noqa: E402
 from las_packets import Las, place  # noqa: E402
 
@@ -101,7 +102,7 @@ def points_and_table(las, returns, east, north, up):
 
 
 def survey(program, folder):
-    subprocess.run([program, "survey", folder], check=True)
+    patience.run([program, "survey", folder], check=True)
     record = whole(
         folder,
         [
@@ -216,7 +217,7 @@ def ledger(pulses, photons):
 
 
 def flash(program, folder):
-    subprocess.run([program, "flash", folder], check=True)
+    patience.run([program, "flash", folder], check=True)
     whole(
         folder,
         [
@@ -287,12 +288,12 @@ def refusals(program, folder):
     """A second run changes nothing; without the drawing script the data are whole and the record says what is
     missing."""
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
-    done = subprocess.run([program, "flash", folder], capture_output=True, text=True)
+    done = patience.run([program, "flash", folder], capture_output=True, text=True)
     check(done.returncode == 1 and "is there already" in done.stderr, done)
     check(before == {p.name: p.read_bytes() for p in folder.iterdir()})
     bare, data = folder.parent / "bare", folder.parent / "data"
     data.mkdir()
-    subprocess.run(
+    patience.run(
         [program, "flash", bare], check=True, env={**os.environ, "RAYCUBE_DATA": str(data)}, stderr=subprocess.DEVNULL
     )
     record = whole(bare, ["waveforms.img", "waveforms.hdr", "returns.las", "returns.csv", "pulses.csv", "photons.csv"])
@@ -312,7 +313,7 @@ def main():
         survey(program, folder / "survey")
         flash(program, folder / "flash")
         refusals(program, folder / "flash")
-        said = subprocess.run(
+        said = patience.run(
             [sys.argv[2], "info", folder / "survey"], capture_output=True, text=True, check=True
         ).stdout
         check("pulses        2000, 200 without return, " in said and "returns.las" in said, said)

@@ -13,6 +13,7 @@ import sys
 import tempfile
 
 import numpy
+import patience
 from driver import GROUND, PULSE_AND_RECEIVER, Program, envi, gate
 
 program = Program(sys.argv[1])
@@ -49,7 +50,8 @@ def closed(folder, pulses, lines):
 
 def digest(scene, out, *options):
     run("render", scene, "-o", out, "--overwrite", *options)
-    return json.loads((next(pathlib.Path(out).iterdir()) / "run.json").read_text())["digest"]
+    (folder,) = pathlib.Path(out).iterdir()
+    return json.loads((folder / "run.json").read_text())["digest"]
 
 
 def briggs_plume_ppm(points):
@@ -164,7 +166,7 @@ def geiger(work):
 
 
 def survey(work):
-    subprocess.run([sys.executable, scenes / "park/generate.py", work / "park"], check=True, stdout=subprocess.DEVNULL)
+    patience.run([sys.executable, scenes / "park/generate.py", work / "park"], check=True, stdout=subprocess.DEVNULL)
     scene = fewer(work / "park/park_survey.toml", work / "park/few.toml", 200)
     bits = {
         digest(scene, work / "survey", *options)

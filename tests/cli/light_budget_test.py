@@ -6,11 +6,11 @@ import json
 import math
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy
+import patience
 from driver import Program
 from photon_steps import leaf_normals, turned_by_cosine
 
@@ -323,7 +323,7 @@ yaw_deg = 70.0
 
 
 def canopy(folder, budget, *arguments):
-    subprocess.run([sys.executable, RAMI, folder, *map(str, arguments)], check=True, capture_output=True)
+    patience.run([sys.executable, RAMI, folder, *map(str, arguments)], check=True, capture_output=True)
     file = folder / "canopy.toml"
     file.write_text(file.read_text().split("[[measure]]\n")[0] + budget)
     return file

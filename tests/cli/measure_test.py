@@ -6,12 +6,12 @@ import json
 import math
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 
 import numpy
 
+import patience
 from driver import Program
 from photon_steps import leaf_normals, turned_by_cosine
 
@@ -112,7 +112,7 @@ def check_planes(folder):
 
 
 def canopy(folder, *arguments, edit=lambda text: text):
-    subprocess.run([sys.executable, RAMI, folder, *map(str, arguments)], check=True, capture_output=True)
+    patience.run([sys.executable, RAMI, folder, *map(str, arguments)], check=True, capture_output=True)
     file = folder / "canopy.toml"
     file.write_text(edit(file.read_text().split("[[budget]]")[0]))
     return file

@@ -7,11 +7,11 @@ import json
 import math
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy
+import patience
 from driver import Program, envi, record
 
 program = Program(sys.argv[1])
@@ -177,7 +177,7 @@ def whole_afternoon(folder):
     wavelength_nm = numpy.array([float(text) for text in header["wavelength"]])
     band = int(numpy.argmin(numpy.abs(wavelength_nm - 550)))
     info = json.loads(
-        subprocess.run(["gdalinfo", "-json", out / "radiance.img"], check=True, capture_output=True, text=True).stdout
+        patience.run(["gdalinfo", "-json", out / "radiance.img"], check=True, capture_output=True, text=True).stdout
     )
     check(info["size"] == [PIXELS, LINES] and len(info["bands"]) == 285, info["size"])
 

@@ -8,11 +8,11 @@ written lane by lane as uninitialised, so its own check shows nothing). usage: o
 import csv
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 
 import numpy
+import patience
 from driver import Program, envi, gate, pulse_and_receiver, record, scene
 
 program = Program(sys.argv[1])
@@ -39,11 +39,10 @@ if not shutil.which("oclgrind"):
 
 def checked(work, file):
     log = work / "log"
-    done = subprocess.run(
+    done = patience.run(
         [*CHECKED, "--log", log, program.path, "render", file, "-o", work / "checked", "-q", "--overwrite"],
         capture_output=True,
         text=True,
-        timeout=300,
     )
     faults = [line for line in log.read_text().splitlines() if line and not line.startswith("\t")]
     check(done.returncode == 0, done.stderr[:2000])

@@ -9,13 +9,14 @@ import csv
 import hashlib
 import math
 import struct
-import subprocess
 import sys
 import tomllib
 import zlib
 from pathlib import Path
 
 import numpy as np
+
+import patience
 
 failures = []
 
@@ -94,7 +95,7 @@ def generated(scenes, work):
     """The park of the first of two runs, or None when the generator fails."""
     digests = []
     for run in ("a", "b"):
-        done = subprocess.run(
+        done = patience.run(
             [sys.executable, str(scenes / "park" / "generate.py"), str(work / run)], capture_output=True, text=True
         )
         check(

@@ -159,7 +159,7 @@ with tempfile.TemporaryDirectory() as temporary:
     # So many surfaces as planning chooses are told, and render as the same number given.
     folder = pathlib.Path(temporary)
     run("new", folder / "garden", "-q")
-    garden = next((folder / "garden").glob("*.toml"))
+    garden = folder / "garden/garden.toml"
 
     def bounced(bounces):
         text = garden.read_text().replace("format = 1\n", f"format = 1\nbounces = {bounces}\n", 1)

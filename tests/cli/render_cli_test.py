@@ -5,12 +5,12 @@ usage: render_cli_test.py RAYCUBE SCENES"""
 import json
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 
 import numpy
 import spectral.io.envi
+import patience
 from driver import Program, envi, header_of, record, scene
 
 program = Program(sys.argv[1])
@@ -43,7 +43,7 @@ def check_cube(folder, pixels, lines, bands, elevation, azimuth):
 
     # GDAL reads the same header: size, type, and a wavelength per band in the right unit.
     info = json.loads(
-        subprocess.run(
+        patience.run(
             ["gdalinfo", "-json", pathlib.Path(folder) / "radiance.img"], check=True, capture_output=True, text=True
         ).stdout
     )
@@ -187,7 +187,7 @@ with tempfile.TemporaryDirectory() as work:
     # the system. Turned by 30 degrees it is none.
     for name in ("radiance", "truth", "location", "transmission"):
         info = json.loads(
-            subprocess.run(
+            patience.run(
                 ["gdalinfo", "-json", geo / f"{name}.img"], check=True, capture_output=True, text=True
             ).stdout
         )
@@ -229,7 +229,7 @@ with tempfile.TemporaryDirectory() as work:
         and dry["plan"]["height_m"],
         dry,
     )
-    check(0 < dry["estimated_s"] < 3600, dry["estimated_s"])
+    check(dry["estimated_s"] > 0, dry["estimated_s"])
     dry = run("render", strips, "-o", work / "dry", "--dry-run", "--json", env={"OCL_ICD_VENDORS": "/nonexistent"})
     check(
         "estimated_s" not in json.loads(dry.stdout)["instruments"][0] and "time cannot be estimated" in dry.stderr,

@@ -6,11 +6,10 @@ usage: render_failures_test.py RAYCUBE"""
 import os
 import pathlib
 import signal
-import subprocess
 import sys
 import tempfile
-import time
 
+import patience
 from driver import Program, record, scene
 
 program = Program(sys.argv[1])
@@ -26,20 +25,10 @@ def content(folder):
     return {path: path.read_bytes() for path in files(folder)}
 
 
-def mid_render(file, out):
-    """A render that has begun to write its cube and will go on for long."""
-    process = program.start("render", file, "-o", out, "--memory", "32M", "-q")
-    deadline = time.monotonic() + 200
-    while not any(path.stat().st_size > 0 for path in (out / "camera").glob(".radiance.img.*")):
-        assert process.poll() is None and time.monotonic() < deadline, process.communicate()
-        time.sleep(0.05)
-    return process
-
-
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
     tiny = scene(work, "tiny.toml")
-    long = scene(work, "long.toml", pixels=2000, lines=2000, grid=11)
+    long = scene(work, "long.toml", pixels=2000, lines=2000, grid=31)
     before = set(files(work))
 
     # Usage and places
@@ -87,18 +76,17 @@ with tempfile.TemporaryDirectory() as work:
         script = (
             f'mount -t tmpfs -o {options} none {place} || exit 99; "$0" "$@"; s=$?; ls -AR {place}/out >&2; exit $s'
         )
-        done = subprocess.run(
+        done = patience.run(
             ["unshare", "-m", "sh", "-c", script, program.path, "render", tiny, "-o", place / "out", "-q"],
             capture_output=True,
             text=True,
-            timeout=300,
         )
         check(done.returncode == 3 and done.stdout == "" and done.stderr.count("error: ") == 1, done)
         check(
             all(part in done.stderr for part in says) and "radiance" not in done.stderr.split("\n", 1)[1], done.stderr
         )
 
-    if subprocess.run(["unshare", "-m", "mount", "-t", "tmpfs", "none", place], capture_output=True).returncode == 0:
+    if patience.run(["unshare", "-m", "mount", "-t", "tmpfs", "none", place], capture_output=True).returncode == 0:
         on_mount("ro", [f"{place}/out/camera: cannot be written", "Read-only file system", "-o"])
         on_mount("size=8k", ["radiance.img: no room for", "free some space", "-o"])
     else:
@@ -108,11 +96,10 @@ with tempfile.TemporaryDirectory() as work:
 
     # Two runs into one folder: the second is refused. Ctrl-C and SIGTERM: status 130, nothing left.
     for number in (signal.SIGINT, signal.SIGTERM):
-        process = mid_render(long, work / "long")
+        process = program.mid_render(long, work / "long")
         if number == signal.SIGINT:
             refused("render", tiny, "-o", work / "long", status=3, says=["another run is writing", "choose another -o"])
-        process.send_signal(number)
-        out, err = process.communicate(timeout=100)
+        out, err = patience.signalled(process, number)
         check(
             process.returncode == 130 and out == "" and err.count("error: ") == 1 and "interrupted" in err,
             process.returncode,
@@ -122,9 +109,9 @@ with tempfile.TemporaryDirectory() as work:
         check(files(work / "long") == [], files(work / "long"))
 
     # kill -9: only hidden temporaries are left, and the next run removes them.
-    process = mid_render(long, work / "long")
+    process = program.mid_render(long, work / "long")
     process.kill()
-    process.communicate()
+    patience.end_of(process)
     left = files(work / "long")
     check(left and all(path.name.startswith(".") for path in left), left)
     run("render", tiny, "-o", work / "long")
@@ -135,11 +122,15 @@ with tempfile.TemporaryDirectory() as work:
     # goes. (LLVM's handler takes the first one that is sent, once it has built a kernel: the program goes on as it
     # would for it.)
     if "RAYCUBE_SANITIZED" not in os.environ:  # the sanitizers report such signals themselves
-        process = mid_render(long, work / "fault")
-        while process.poll() is None:
-            process.send_signal(signal.SIGSEGV)
-            time.sleep(0.3)
-        err = process.communicate()[1]
+        process = program.mid_render(long, work / "fault")
+        process.send_signal(signal.SIGCONT)
+
+        def ended():
+            process.send_signal(signal.SIGSEGV)  # where the first is at work already, others wait for its end
+            return process.poll() is not None
+
+        patience.until(ended, "the end by SIGSEGV", glance_s=0.3)
+        err = patience.end_of(process)[1]
         check(process.returncode == -signal.SIGSEGV and err.count("error: ") == 1, process.returncode, err)
         for part in (
             "ended by signal 11 (SIGSEGV",

@@ -6,9 +6,10 @@ Usage: restate_gases_test.py REPOSITORY. Skipped (77), loudly, without RAYCUBE_S
 
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
+
+import patience
 
 repository = pathlib.Path(sys.argv[1])
 shared = os.environ.get("RAYCUBE_SHARED")
@@ -17,7 +18,7 @@ if not shared:
     sys.exit(77)
 data = repository / "atmos_tables/gas/data"
 with tempfile.TemporaryDirectory() as folder:
-    subprocess.run(
+    patience.run(
         [
             sys.executable,
             str(repository / "atmos_tables/fit/restate_gases.py"),

@@ -6,9 +6,10 @@ Usage: restate_test.py SOURCE_FOLDER. Skips, loudly, without RAYCUBE_SHARED.
 
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
+
+import patience
 
 source = pathlib.Path(sys.argv[1]) / "atmos_tables"
 if "RAYCUBE_SHARED" not in os.environ:
@@ -18,7 +19,7 @@ shared = pathlib.Path(os.environ["RAYCUBE_SHARED"]) / "reference" / "atmosphere"
 
 
 def script(name, *arguments):
-    done = subprocess.run(["/usr/bin/python3", source / "fit" / name, *arguments], capture_output=True)
+    done = patience.run(["/usr/bin/python3", source / "fit" / name, *arguments], capture_output=True)
     assert done.returncode == 0, f"{name}: {done.stderr.decode()}"
     return done.stdout
 

@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 
+import patience
 from driver import PULSE_AND_RECEIVER, Program, record, scene
 
 program = Program(sys.argv[1])
@@ -59,11 +60,10 @@ def closed(work, tiny):
     good = content(work / "open/camera")
     for number, closing in enumerate(["<&-", ">&-", "2>&-", "<&- 2>&-", "<&- >&- 2>&-", ">&- 2>&-"]):
         out = work / f"closed{number}"
-        done = subprocess.run(
+        done = patience.run(
             ["sh", "-c", f'exec "$0" "$@" {closing}', program.path, "render", tiny, "-o", out, "--verbose"],
             capture_output=True,
             text=True,
-            timeout=300,
         )
         # The paths of the cubes, which go to stdout, are lost where it is closed: that is said by the status, and on
         # stderr if it can be.
@@ -176,9 +176,10 @@ def readers_that_go(work, tiny):
     )
     process.stderr.readline()
     process.stderr.close()
-    check(process.wait(timeout=300) == 0, process.returncode)
+    patience.until(lambda: process.poll() is not None, "the end of the run whose messages nobody reads")
+    check(process.returncode == 0, process.returncode)
     verified(work / "gone/camera", 0)
-    done = subprocess.run(
+    done = patience.run(
         [
             "bash",
             "-c",
@@ -189,13 +190,12 @@ def readers_that_go(work, tiny):
         ],
         capture_output=True,
         text=True,
-        timeout=300,
     )
     verified(work / "gone2/camera", 0)
     # A report that nobody reads ends quietly, as other tools do.
     read, write = os.pipe()
     os.close(read)
-    process = subprocess.run(
+    process = patience.run(
         [program.path, "info", work / "gone/camera/radiance.img", "--bands"],
         stdout=write,
         stderr=subprocess.PIPE,
@@ -203,21 +203,6 @@ def readers_that_go(work, tiny):
     )
     os.close(write)
     check(process.returncode == -signal.SIGPIPE and process.stderr == "", process)
-
-
-def mid_render(file, out, **more):
-    process = subprocess.Popen(
-        [program.path, "render", file, "-o", out, "--memory", "32M", "-q"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        **more,
-    )
-    deadline = time.monotonic() + 200
-    while not any(path.stat().st_size > 0 for path in (out / "camera").glob(".radiance.img.*")):
-        assert process.poll() is None and time.monotonic() < deadline, process.communicate()
-        time.sleep(0.02)
-    return process
 
 
 def children_of(pid):
@@ -232,48 +217,61 @@ def children_of(pid):
 
 
 def signals(work, tiny, long):
-    process = mid_render(long, work / "hup")
-    process.send_signal(signal.SIGHUP)
-    out, err = process.communicate(timeout=100)
+    process = program.mid_render(long, work / "hup")
+    out, err = patience.signalled(process, signal.SIGHUP)
     check(
         process.returncode == 130 and "interrupted by SIGHUP" in err and err.count("error: ") == 1,
         process.returncode,
         err,
     )
     check(list((work / "hup/camera").iterdir()) == [])
-    # Not where somebody said nohup.
-    process = mid_render(long, work / "hup", preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    # Not where somebody said nohup: what ends that run is the signal after.
+    process = program.mid_render(long, work / "hup", preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
     process.send_signal(signal.SIGHUP)
-    time.sleep(1)
-    check(process.poll() is None)
-    process.send_signal(signal.SIGTERM)
-    check(process.wait(timeout=100) == 130)
-    process.communicate()
-
-    # Ctrl-C while the driver compiles kernels, which reaches the linker that it starts too: at that very moment.
+    out, err = patience.signalled(process, signal.SIGTERM)
+    check(
+        process.returncode == 130 and "interrupted by SIGTERM" in err and err.count("error: ") == 1,
+        process.returncode,
+        err,
+    )
     for trial in range(6):
-        cache = work / f"cold{trial}"
-        cache.mkdir()
-        process = subprocess.Popen(
-            [program.path, "render", tiny, "-o", work / "cold", "-q"],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env={**os.environ, "POCL_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)},
-            start_new_session=True,
-        )
-        while process.poll() is None and not children_of(process.pid):
-            pass
-        ended = process.poll() is not None
-        if not ended:
-            os.killpg(process.pid, signal.SIGINT)
-        out, err = process.communicate(timeout=100)
-        check(process.returncode == (0 if ended else 130), process.returncode, err)
-        shutil.rmtree(cache)
-        shutil.rmtree(work / "cold", ignore_errors=True)
-        if ended:
+        if not interrupted_while_it_compiles(work, tiny, work / f"cold{trial}"):
             print("run files: SKIPPED Ctrl-C while kernels are built: this OpenCL driver starts no linker", flush=True)
             break
+
+
+def interrupted_while_it_compiles(work, tiny, cache):
+    """Ctrl-C while the driver compiles kernels, which reaches the linker that it starts too: at that very moment. False
+    where the run ends without one."""
+    cache.mkdir()
+    process = program.start(
+        *("render", tiny, "-o", work / "cold", "-q"),
+        env={"POCL_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)},
+        start_new_session=True,
+    )
+
+    def halted_at_a_linker():
+        if process.poll() is not None:
+            return True
+        if not children_of(process.pid):
+            return False
+        patience.halted(process)
+        # The driver cannot have heard of a linker's end since: one that is there still is what it waits for.
+        if any(patience.status_of(child, "State")[:1] not in ("", "Z", "X") for child in children_of(process.pid)):
+            return True
+        process.send_signal(signal.SIGCONT)
+        return False
+
+    patience.until(halted_at_a_linker, "a linker that the OpenCL driver starts", glance_s=0)
+    found = process.poll() is None
+    if found:
+        os.killpg(process.pid, signal.SIGINT)
+        process.send_signal(signal.SIGCONT)
+    out, err = patience.end_of(process)
+    check(process.returncode == (130 if found else 0), process.returncode, err)
+    shutil.rmtree(cache)
+    shutil.rmtree(work / "cold", ignore_errors=True)
+    return found
 
 
 def kills(work):
@@ -281,13 +279,14 @@ def kills(work):
     most."""
     files = [scene(work, f"kill{i}.toml", pixels=40 + 8 * i, lines=20, grid=1) for i in (0, 1)]
     out, draw = work / "kill", random.Random(1)
-    begin = time.monotonic()
-    for i in (0, 1):
-        run("render", files[i], "-o", out, "--overwrite")
-    longest, digests = time.monotonic() - begin, set()
+    digests = set()
     for i in (0, 1):
         run("render", files[i], "-o", out, "--overwrite")
         digests.add(record(out / "camera")["digest"])
+    begin = time.monotonic()
+    for i in (0, 1):
+        run("render", files[i], "-o", out, "--overwrite")
+    longest = time.monotonic() - begin  # spreads the instants; what is asked holds at any of them
     old = new = 0
     for trial in range(24):
         before = record(out / "camera")["digest"]
@@ -299,13 +298,11 @@ def kills(work):
         if trial % 2:
             time.sleep(draw.uniform(0, longest / 2))
         else:  # in the middle of the names
-            deadline = time.monotonic() + 100
-            while (
-                process.poll() is None
-                and not (out / "camera/.raycube-publication").exists()
-                and time.monotonic() < deadline
-            ):
-                pass
+            patience.until(
+                lambda: process.poll() is not None or (out / "camera/.raycube-publication").exists(),
+                "the journal of a publication",
+                glance_s=0,
+            )
             time.sleep(draw.uniform(0, 0.004))
         process.kill()
         process.wait()

@@ -5,9 +5,10 @@ end it with status 1. usage: soak_test.py SOURCE_DIR"""
 import os
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
+
+import patience
 
 checks = 0
 
@@ -20,7 +21,7 @@ kill -9 "$worker"
 """
 
 
-def soak(source, test, *arguments, status, says):
+def soak(source, test, *arguments, status, says, patience_s=patience.LIMIT_S):
     """ci/soak in a tree of its own, where tests/test_render_x is the script `test`."""
     global checks
     with tempfile.TemporaryDirectory() as tree:
@@ -31,12 +32,11 @@ def soak(source, test, *arguments, status, says):
         program = tree / "build/tests/test_render_x"
         program.write_text("#!/bin/bash\n" + test)
         program.chmod(0o755)
-        done = subprocess.run(
+        done = patience.run(
             [tree / "ci/soak", *arguments, "render_x"],
             capture_output=True,
             text=True,
-            timeout=100,
-            env={**os.environ, "RAYCUBE_SOAK_PATIENCE_S": "2"},
+            env={**os.environ, "RAYCUBE_SOAK_PATIENCE_S": f"{patience_s:.0f}"},
         )
     checks += 1
     assert done.returncode == status and says in done.stdout + done.stderr, (test, done)
@@ -46,9 +46,9 @@ def soak(source, test, *arguments, status, says):
 source = pathlib.Path(sys.argv[1])
 soak(source, "exit 0\n", "--runs", "8", status=0, says="8 runs of 1 tests passed")
 soak(source, "exit 77\n", "--runs", "3", status=0, says="3 runs of 1 tests passed")
-soak(source, "exit 0\n", "--runs", "1", "--seconds", "60", status=0, says="1 runs of 1 tests passed")
+soak(source, "exit 0\n", "--runs", "1", "--seconds", "3600", status=0, says="1 runs of 1 tests passed")
 soak(source, "echo it failed; exit 5\n", "--runs", "8", status=1, says="FAILED with status 5")
-soak(source, "sleep 60\n", "--runs", "2", status=1, says="FAILED with status 124")
-for more in ((), ("--seconds", "60")):
+soak(source, "exec sleep 3600\n", "--runs", "2", status=1, says="FAILED with status 124", patience_s=2)
+for more in ((), ("--seconds", "3600")):
     soak(source, KILLS_ITS_WORKER, "--runs", "4", *more, status=1, says="were ended without a word")
 print(f"soak: {checks} checks")

@@ -10,11 +10,10 @@ import pathlib
 import resource
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
-import time
 
+import patience
 from driver import Program, gate, pulse_and_receiver, record, scene
 
 program = Program(sys.argv[1])
@@ -45,7 +44,7 @@ def files(folder):
 
 def stopped(arguments, status, says, **more):
     """A run that ends with one error line and leaves no file, hidden or not."""
-    done = subprocess.run([program.path, *map(str, arguments)], capture_output=True, text=True, timeout=300, **more)
+    done = patience.run([program.path, *arguments], capture_output=True, text=True, **more)
     errors = [line for line in done.stderr.splitlines() if line.startswith("raycube: error: ")]
     check(done.returncode == status and len(errors) == 1, done)
     for part in says:
@@ -53,13 +52,8 @@ def stopped(arguments, status, says, **more):
 
 
 def begun(file, out):
-    """A survey that has begun to write and will go on for long."""
-    process = program.start("render", file, "-o", out, "-q")
-    deadline = time.monotonic() + 200
-    while not any(path.stat().st_size > 0 for path in files(out) if path.name.startswith(".")):
-        assert process.poll() is None and time.monotonic() < deadline, process.communicate()
-        time.sleep(0.02)
-    return process
+    """A survey that has begun to write and would go on for long, halted."""
+    return program.mid_write((out, "**/.*"), "render", file, "-o", out, "-q")
 
 
 def full_disk():
@@ -90,8 +84,7 @@ with tempfile.TemporaryDirectory() as work:
             refused(
                 "render", small, "-o", work / "long", status=3, says=["another run is writing", "choose another -o"]
             )
-        process.send_signal(number)
-        out, err = process.communicate(timeout=100)
+        out, err = patience.signalled(process, number)
         check(
             process.returncode == 130 and err.count("error: ") == 1 and "interrupted" in err,
             process.returncode,
@@ -102,7 +95,7 @@ with tempfile.TemporaryDirectory() as work:
 
     process = begun(long, work / "long")
     process.kill()
-    process.communicate()
+    patience.end_of(process)
     check(all(path.name.startswith(".") for path in files(work / "long")), files(work / "long"))
     run("render", small, "-o", work / "long")
     check({path.relative_to(work / "long") for path in files(work / "long")} == good)
@@ -113,14 +106,10 @@ with tempfile.TemporaryDirectory() as work:
         shutil.which("oclgrind") and "RAYCUBE_SANITIZED" not in os.environ
     ):  # its kernels have no prefetch; it runs no program with sanitizers
         limited = ["oclgrind", "--global-mem-size", str(256 << 20), "--build-options", "-DRC_NO_PREFETCH", program.path]
-        listed = json.loads(
-            subprocess.run([*limited, "devices", "--json"], capture_output=True, text=True, timeout=60).stdout
-        )
+        listed = json.loads(patience.run([*limited, "devices", "--json"], capture_output=True, text=True).stdout)
         check(str(256 << 20) in json.dumps(listed), listed)
         tiny = scene(work, "tiny.toml", pixels=4, lines=2, grid=1)
-        done = subprocess.run(
-            [*limited, "render", tiny, "-o", work / "limited", "-q"], capture_output=True, text=True, timeout=200
-        )
+        done = patience.run([*limited, "render", tiny, "-o", work / "limited", "-q"], capture_output=True, text=True)
         check(done.returncode == 0, done.stderr[:2000])
     else:
         print(

@@ -11,14 +11,13 @@ import os
 import pathlib
 import re
 import signal
-import subprocess
 import sys
 import tempfile
-import time
 
 import numpy as np
 from scipy.stats import qmc
 
+import patience
 from driver import Program
 from optics_kit import HEAD, camera
 
@@ -153,12 +152,19 @@ at = "/a/b/1"
     program.check("400 %" in Page((out / "report.html").read_text()).text)
     (out / "steps/second/step.json").unlink()
     program.check(go() == ["second"])
-    made = (out / "steps/third/step.json").stat().st_mtime_ns
+    third = out / "steps/third/step.json"
+    os.utime(third, (0, 0))  # file systems tell times to a few milliseconds, or seconds
     (out / "steps/first/step.json").unlink()  # what builds on it is made of its very run
-    program.check(go() == ["first"] and (out / "steps/third/step.json").stat().st_mtime_ns > made)
+    program.check(go() == ["first"] and third.stat().st_mtime_ns > 0)
     write(folder, "work.py", WORK + "# changed\n")
     program.check(go() == ["first", "second"])
     return text, first
+
+
+def pid_of(step_folder):
+    """Number of the process of a step that has begun, once it is written; it is written before the step waits."""
+    file = step_folder / "pid"
+    return file.read_text() if file.exists() else ""
 
 
 def killed(folder):
@@ -166,42 +172,32 @@ def killed(folder):
     study = write(
         folder,
         "slow.toml",
-        'format = 1\ntitle = "slow"\n' + "".join(step(f"s{i}", i, folder, "0" if i < 3 else "30") for i in (1, 2, 3)),
+        'format = 1\ntitle = "slow"\n'
+        + "".join(step(f"s{i}", i, folder, "0" if i < 3 else "3600") for i in (1, 2, 3)),
     )
     out = folder / "slow"
     running = program.start("experiment", study, "-o", out)
-    while (
-        not (out / "steps/s2/step.json").exists()
-        or not (folder / "log").exists()
-        or "s3" not in (folder / "log").read_text()
-    ):
-        time.sleep(0.05)
+    orphan = int(patience.until(lambda: pid_of(out / "steps/s3"), "the third step", running))
     again = program.run("experiment", study, "-o", out, status=3)
     program.check("another run" in again.stderr, again.stderr)
     (out / "steps/s3/half").write_text("x")
-    os.kill(running.pid, signal.SIGKILL)
-    running.wait()
-    orphan = int((out / "steps/s3/pid").read_text())
-    for _ in range(100):  # it ends with its parent
-        if not pathlib.Path(f"/proc/{orphan}").exists() or "Z" in pathlib.Path(f"/proc/{orphan}/stat").read_text():
-            break
-        time.sleep(0.1)
-    else:
-        program.check(False, orphan)
+    running.kill()
+    patience.until(lambda: running.poll() is not None, "the end by SIGKILL")
+    patience.until(lambda: patience.status_of(orphan, "State")[:1] in ("", "Z", "X"), "the end of a dead run's step")
     program.check(runs(folder) == ["s1", "s2", "s3"])
-    write(folder, "slow.toml", study.read_text().replace('"30"', '"0"'))
+    write(folder, "slow.toml", study.read_text().replace('"3600"', '"0"'))
     program.run("experiment", study, "-o", out)
     program.check(runs(folder) == ["s3"] and not (out / "steps/s3/half").exists())
     running = program.start_listening(
         "experiment",
-        write(folder, "long.toml", 'format = 1\ntitle = "l"\n' + step("s", 1, folder, "60")),
+        write(folder, "long.toml", 'format = 1\ntitle = "l"\n' + step("s", 1, folder, "3600")),
         "-o",
         folder / "long",
     )
-    while not (folder / "log").exists():
-        time.sleep(0.05)
+    patience.until(lambda: (folder / "log").exists(), "the step", running)
     running.send_signal(signal.SIGINT)
-    program.check(running.wait(timeout=20) == 130)
+    patience.end_of(running)
+    program.check(running.returncode == 130, running.returncode)
     program.check(not (folder / "long/report.html").exists() and not (folder / "long/steps/s/step.json").exists())
     runs(folder)
 
@@ -441,7 +437,7 @@ def shipped(folder, scenes):
         done = program.run("sweep", avon / f"{name}.toml", "--dry-run")
         program.check(len(done.stdout.splitlines()) == points + 1, name, done.stdout)
     for species in ("1", "4"):
-        subprocess.run([PYTHON, scenes / "park/generate.py", folder / "park", "--species", species], check=True)
+        patience.run([PYTHON, scenes / "park/generate.py", folder / "park", "--species", species], check=True)
         (folder / "park/avon.toml").write_bytes((avon / "avon.toml").read_bytes())
         done = program.run("scene", "check", folder / "park/avon.toml")
         program.check("6 instruments" in done.stdout, done.stdout)

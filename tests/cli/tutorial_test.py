@@ -9,9 +9,10 @@ line by line in what the block before it printed, words equal and numbers within
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
+
+import patience
 
 BLOCK = re.compile(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", re.M | re.S)
 WITHIN = 0.03
@@ -31,7 +32,7 @@ def same_word(shown, found):
 
 def run(command, folder, path):
     environment = dict(os.environ, PATH=f"{path}:{os.environ['PATH']}")
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    done = patience.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{command}: status {done.returncode}\n{done.stdout}{done.stderr}")
     return done.stdout

@@ -21,7 +21,7 @@ import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build-mutation"
-TIMEOUT_S = 600
+TIMEOUT_S = 1500
 
 
 def run(*command):

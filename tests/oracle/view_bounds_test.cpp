@@ -2,7 +2,6 @@
 // soon, and stopped by Ctrl-C.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <limits>
@@ -14,6 +13,7 @@
 #include "host/base/interrupt.h"
 #include "host/sensors/ray_groups.h"
 #include "host/sensors/view_bounds.h"
+#include "tests/support/patience.h"
 
 using namespace raycube;
 
@@ -105,10 +105,10 @@ TEST_CASE("bounds of a view are those of a walk over every pixel, to the bit") {
   }());
 }
 
-TEST_CASE("an image of 1e10 pixels is bounded in seconds") {
+TEST_CASE("an image of 1e10 pixels is bounded without a walk over every pixel") {
+  const testing::Patience patience("the bounds of two images of 1e10 pixels: moments, and an hour pixel by pixel");
   auto c = camera(scene::InstrumentKind::framing, 100000, 100000, 1e-5, 1e-5);
   c.poses = {{0, 0, 500, 1, 2, 37}};
-  const auto start = std::chrono::steady_clock::now();
   const auto bounds = sensors::view_bounds(c);
   CHECK(bounds.sec_min == doctest::Approx(1).epsilon(1e-9));
   // The corner pixels' outer corners: tan of the half field is 0.5 both ways.
@@ -118,9 +118,6 @@ TEST_CASE("an image of 1e10 pixels is bounded in seconds") {
   c.poses.assign(100000, {0, 0, 500, 1, 2, 37});
   for (int line = 0; line < 100000; ++line) c.poses[static_cast<std::size_t>(line)].y_m = 0.005 * line;
   sensors::view_bounds(c);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  MESSAGE(seconds << " s for two of them");
-  CHECK(seconds < 60);  // a walk over every pixel takes an hour
 }
 
 TEST_CASE("a ray that looks up is refused though few pixels are looked at; Ctrl-C ends it") {

@@ -21,6 +21,7 @@
 #include "host/base/crash_report.h"
 #include "host/base/doing.h"
 #include "host/base/interrupt.h"
+#include "tests/support/patience.h"
 #include "tests/unit/test_folder.h"
 
 namespace {
@@ -36,6 +37,7 @@ struct End {
 
 /// What becomes of a child that does `deed`; it is no core's worth.
 End end_of(const std::function<void()>& deed) {
+  const testing::Patience patience("the end of a child that a signal ends");
   int ends[2];
   REQUIRE(::pipe(ends) == 0);
   std::fflush(nullptr);

@@ -2,7 +2,6 @@
 // numbers.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cstdio>
 #include <string>
 

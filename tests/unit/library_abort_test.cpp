@@ -13,6 +13,7 @@
 
 #include "host/base/error.h"
 #include "host/base/limited_child.h"
+#include "tests/support/patience.h"
 #include "tests/unit/test_folder.h"
 
 using namespace raycube::base;
@@ -46,6 +47,7 @@ TEST_CASE("a library that gives up in a child that reads a file says nothing in 
 
 TEST_CASE("a library that gives up ends the program with one error and the device's status") {
   for (const auto& deed : {give_up, fail}) {
+    const raycube::testing::Patience patience("the end of a child whose library gives up");
     const TestFolder folder;
     const pid_t child = ::fork();
     if (child == 0) {

@@ -1,13 +1,11 @@
 // Work in a child process under a limit: what it hands back, and every way in which it can fail to.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
 #include <stdexcept>
-#include <thread>
 
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -18,20 +16,12 @@
 #include "host/base/interrupt.h"
 #include "host/base/limited_child.h"
 #include "host/base/output_file.h"
+#include "tests/support/patience.h"
 #include "tests/unit/test_folder.h"
 
 using namespace raycube::base;
+using raycube::testing::Patience;
 using raycube::testing::TestFolder;
-
-namespace {
-
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
 
 TEST_CASE("what the child packs the parent unpacks, small and large") {
   std::vector<double> many(3000000);
@@ -62,12 +52,10 @@ TEST_CASE("a child that computes for ever, waits for ever, takes all memory, cra
     auto result = in_limited_child(l, work);
     return std::pair{result.end, result.why};
   };
-  std::pair<ChildEnd, std::string> end;
-  CHECK(seconds_of([&] {
-          end = end_of(limits, [](Parcel&) {
-            while (true) asm volatile("");
-          });
-        }) < 60);
+  const Patience patience("the end of children that compute or wait for ever");
+  auto end = end_of(limits, [](Parcel&) {
+    while (true) asm volatile("");
+  });
   CHECK(end.first == ChildEnd::out_of_time);
   CHECK(end.second == "did not end in 0.3 s of computing");
 
@@ -94,12 +82,12 @@ TEST_CASE("a child that computes for ever, waits for ever, takes all memory, cra
 
 TEST_CASE("Ctrl-C ends the child and is told") {
   install_signal_handlers();
-  std::thread([] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    ::kill(::getpid(), SIGINT);
-  }).detach();
-  CHECK_THROWS_WITH_AS(in_limited_child({}, [](Parcel&) { ::pause(); }), doctest::Contains("interrupted by Ctrl-C"),
-                       Error);
+  const Patience patience("the end of a child after Ctrl-C");
+  const auto work = [](Parcel&) {
+    ::kill(::getppid(), SIGINT);
+    ::pause();
+  };
+  CHECK_THROWS_WITH_AS(in_limited_child({}, work), doctest::Contains("interrupted by Ctrl-C"), Error);
   clear_interrupt();
   CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);  // no child is left
 }

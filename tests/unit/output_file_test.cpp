@@ -16,6 +16,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/output_file.h"
+#include "tests/support/patience.h"
 #include "tests/unit/test_folder.h"
 
 using namespace raycube::base;
@@ -43,6 +44,7 @@ Error error_of(const std::function<void()>& action) {
 
 /// Runs `body` in a child process and returns its wait status.
 int in_child(const std::function<int()>& body) {
+  const raycube::testing::Patience patience("the end of a child that writes files");
   const pid_t child = ::fork();
   if (child == 0) {
     int status = 99;
