@@ -47,6 +47,7 @@ struct DeviceTables {
         node_weight(upload(context, t.node_weight, "nodes")),
         taps(upload(context, t.taps, "pulse")),
         settings(upload(context, t.settings, "settings")),
+        plan(upload(context, t.plan, "counts")),
         air(upload(context, t.air, "air")),
         first_node(upload(context, t.first_node, "first nodes")),
         backscatter(upload(context, t.backscatter, "backscatter of the air")),
@@ -56,7 +57,9 @@ struct DeviceTables {
         optics(upload(context, t.optics, "matter")) {}
   cl::Buffer<float> samples, exits;
   cl::Buffer<shared::Lobe> lobes;
-  cl::Buffer<float> photons, node_weight, taps, settings, air;
+  cl::Buffer<float> photons, node_weight, taps, settings;
+  cl::Buffer<std::uint32_t> plan;
+  cl::Buffer<float> air;
   cl::Buffer<std::uint32_t> first_node;
   cl::Buffer<float> backscatter, volume_values, volume_depth;
   cl::Buffer<shared::LidarVolume> volumes;
@@ -72,8 +75,7 @@ struct BatchBuffers {
         multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write,
                  "rows of shots, multiple scattering"),
         stopped(context, t.way ? owners * t.stopped_floats : 16, cl::Access::read_write, "shares of rays stopped"),
-        scratch(context, t.way ? 2 * t.way_rows * owners * lines * (t.row_floats + t.row_pad) : 16,
-                cl::Access::read_write, "impulses of air"),
+        scratch(context, t.way ? owners * t.scratch_floats : 16, cl::Access::read_write, "impulses of air"),
         way(context, t.way ? t.way_rows * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write,
             "rows of air and particles"),
         beams(context, t.way ? owners * RC_SHOT_FLOAT4S : 1, cl::Access::read_only, "records of beams"),
@@ -116,6 +118,7 @@ LidarShotsArguments shots_arguments(const SceneBuffers& scene, const DeviceTable
           .volume_depth = device.volume_depth,
           .taps = device.taps,
           .settings = device.settings,
+          .plan = device.plan,
           .bins = plan.lidar.gate.bins,
           .taps_used = plan.taps.taps,
           .first_tap = plan.taps.first,
@@ -136,6 +139,7 @@ LidarBeamArguments beam_arguments(const DeviceTables& device, const lidar::Lidar
           .samples = device.samples,
           .exits = device.exits,
           .settings = device.settings,
+          .plan = device.plan,
           .tables = batch.beam_tables,
           .bins = plan.lidar.gate.bins};
 }
@@ -154,6 +158,7 @@ LidarAirArguments air_arguments(const DeviceTables& device, const lidar::LidarPl
           .volume_depth = device.volume_depth,
           .taps = device.taps,
           .settings = device.settings,
+          .plan = device.plan,
           .bins = plan.lidar.gate.bins,
           .taps_used = plan.taps.taps,
           .first_tap = plan.taps.first,
@@ -322,8 +327,7 @@ class Collector {
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
   return tables.owner_rows * tables.row_floats * sizeof(float) *
              (1 + (tables.multiple ? 1 : 0) + (tables.way ? tables.way_rows : 0)) +
-         (tables.way ? (tables.stopped_floats + lines * 2 * tables.way_rows * (tables.row_floats + tables.row_pad)) *
-                               sizeof(float) +
+         (tables.way ? (tables.stopped_floats + tables.scratch_floats) * sizeof(float) +
                            tables.owner_rows / lines * RC_BEAM_FLOATS * sizeof(float) + RC_SHOT_FLOAT4S * 16
                      : 0) +
          RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) + lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) +
@@ -349,15 +353,13 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   State& s = *state_;
   s.launch_s = 0;
   if (shots.empty()) return;
-  const LidarTables tables = make_lidar_tables(plan, s.scene);
   const bool apart =
       std::any_of(shots.begin(), shots.end(), [](const lidar::Shot& shot) { return shot.exit_m != shot.pupil_m; });
+  const LidarTables tables = make_lidar_tables(plan, s.scene, apart, hits);
   s.identity.clear();
-  Stage& stage = s.stage("lidar_shots", tables.options + tables.air_options + tables.shot_options +
-                                            " -DRC_SHADOWS=" + (apart ? "1" : "0") +
-                                            " -DRC_HITS=" + (hits ? "1" : "0") + s.buffers.options);
-  Stage* air_stage = tables.way ? &s.stage("lidar_air", tables.options + tables.air_options) : nullptr;
-  Stage* beam_stage = tables.way ? &s.stage("lidar_beam", tables.options) : nullptr;
+  Stage& stage = s.stage("lidar_shots", tables.shot_options + s.buffers.options);
+  Stage* air_stage = tables.way ? &s.stage("lidar_air", tables.air_options) : nullptr;
+  Stage* beam_stage = tables.way ? &s.stage("lidar_beam", tables.beam_options) : nullptr;
   LidarBeams beams(plan);
   std::vector<shared::rc_float4> tabulated;  ///< beams whose tables are on the device
   std::vector<std::uint32_t> beam_of;
@@ -379,9 +381,14 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
                           "; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
   const std::size_t owners =
       std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
-  const std::vector<std::size_t> shape{
-      owners, tables.owner_rows,     tables.row_floats, std::size_t{tables.multiple}, tables.way ? tables.way_rows : 0,
-      lines,  hits ? padded_rays : 0};
+  const std::vector<std::size_t> shape{owners,
+                                       tables.owner_rows,
+                                       tables.row_floats,
+                                       std::size_t{tables.multiple},
+                                       tables.way ? tables.way_rows : 0,
+                                       lines,
+                                       hits ? padded_rays : 0,
+                                       tables.scratch_floats};
   if (!s.batch || s.batch_shape != shape) {
     s.batch.reset();
     s.batch = std::make_unique<BatchBuffers>(s.context, tables, owners, lines, padded_rays, hits);

@@ -19,9 +19,8 @@ namespace {
 constexpr int kMostBundle = 1024;
 /// Floats of an owner's rows that a work-item keeps in its own memory: 16 KiB, within a core's first cache.
 constexpr std::size_t kRowWindow = 4096;
-/// Lines whose moments a work-item keeps: 9 KiB each. Of so few rays that every cell has about one, each adds its own
-/// pulse sooner (19 sub-rays: by a tenth).
-constexpr int kMostFoldedLines = 4;
+/// Of so few rays that every cell of a bin has about one, each adds its own pulse sooner than moments do (19 sub-rays:
+/// by a tenth).
 constexpr std::size_t kFewestFoldedRays = 48;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Half divergence below which a bundle's rounding, 16 ulp of a direction, passes 5 % of its unit: single rays are
@@ -61,7 +60,6 @@ std::vector<float> single_samples(const lidar::Footprint& footprint) {
 
 void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
   const auto lines = static_cast<std::size_t>(plan.lines());
-  bool leaves = false, plates = false;
   for (const auto& surface : scene.surfaces) {
     for (std::size_t line = 0; line < lines; ++line) {
       double rho = 0, leaf = 0, plate = 0, mirrored = 0;
@@ -73,21 +71,19 @@ void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene
         (scene.materials[material].behind.number == RC_SHAPE_plate ? plate : leaf) +=
             surface.fraction[i] * matter.transmittance;
       }
-      leaves |= leaf > 0;
-      plates |= plate > 0;
+      if (leaf > 0) tables.features |= RC_FEATURE_LEAVES;
+      if (plate > 0) tables.features |= RC_FEATURE_PLATES;
       tables.optics.push_back(
           {static_cast<float>(rho), static_cast<float>(leaf), static_cast<float>(plate), static_cast<float>(mirrored)});
     }
   }
-  bool gloss = false;
-  for (const auto& material : scene.materials) gloss |= material.gloss.number != RC_SHAPE_none;
-  const bool shaped = scene::first_shaped(scene) != nullptr;
-  if (gloss || shaped) tables.lobes = lidar::pulse_lobes(plan, scene);
-  tables.shot_options +=
-      define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
-  if (shaped) tables.shot_options += define("RC_SHAPED", 1);
-  if (const std::uint32_t further = scene::curve_roles(scene) - RC_CURVE_ROLES; further > 0)
-    tables.shot_options += define("RC_FURTHER_RECORDS", further) + define("RC_LOBE_LINES", lines);
+  for (const auto& material : scene.materials)
+    if (material.gloss.number != RC_SHAPE_none) tables.features |= RC_FEATURE_GLOSS;
+  if (scene::first_shaped(scene)) tables.features |= RC_FEATURE_SHAPED;
+  if (tables.features & (RC_FEATURE_GLOSS | RC_FEATURE_SHAPED)) tables.lobes = lidar::pulse_lobes(plan, scene);
+  const std::uint32_t further = scene::curve_roles(scene) - RC_CURVE_ROLES;
+  tables.plan[RC_PLAN_LOBE_LINES] = further > 0 ? static_cast<std::uint32_t>(lines) : 1;
+  tables.plan[RC_PLAN_LOBE_STRIDE] = RC_LOBES + further;
 }
 
 void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -98,7 +94,7 @@ void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
       tables.air.push_back(static_cast<float>(depth[i]));
       tables.air.push_back(i + 1 < posts ? static_cast<float>((depth[i + 1] - depth[i]) / plan.air.dz_m) : 0.0f);
     }
-  tables.air_options += define("RC_AIR", posts ? 1 : 0);
+  if (posts) tables.features |= RC_FEATURE_AIR;
 }
 
 void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
@@ -117,9 +113,10 @@ void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   tables.air_rows = plan.lidar.transport.air_return;
   tables.way_rows = scene.volumes.empty() ? 1 : 2;
   tables.way = particles || (tables.air_rows && !tables.backscatter.empty());
-  tables.air_options += define("RC_VOLUMES", scene.volumes.size()) +
-                        define("RC_AIR_RETURN", tables.air_rows && !tables.backscatter.empty() ? 1 : 0);
-  tables.shot_options += define("RC_STOPPED", tables.way ? 1 : 0);
+  if (!scene.volumes.empty()) tables.features |= RC_FEATURE_VOLUMES;
+  if (tables.air_rows && !tables.backscatter.empty()) tables.features |= RC_FEATURE_RETURN;
+  if (tables.way) tables.features |= RC_FEATURE_STOPPED;
+  tables.plan[RC_PLAN_VOLUMES] = static_cast<std::uint32_t>(scene.volumes.size());
 }
 
 void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -129,7 +126,7 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
     for (std::size_t i = 0; i < padded; ++i)
       tables.taps.push_back(
           i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
-  if (tables.owner_rows == static_cast<std::size_t>(plan.lines()) && plan.lines() <= kMostFoldedLines &&
+  if (tables.owner_rows == static_cast<std::size_t>(plan.lines()) && plan.lines() <= RC_FOLDED_LINES &&
       plan.footprint.a.size() >= kFewestFoldedRays) {
     const lidar::PulseMoments moments = lidar::make_moments(taps);
     for (int row = 0; row < moments.cells * RC_MOMENTS; ++row)
@@ -139,15 +136,23 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
                 ? moments.share[static_cast<std::size_t>(row) * static_cast<std::size_t>(taps.taps) + i]
                 : 0.0f);
     tables.cells = moments.cells;
+    tables.features |= RC_FEATURE_FOLDED;
   }
-  tables.shot_options += define("RC_FOLDED", tables.cells > 0 ? 1 : 0);
   tables.row_pad = padded;
   tables.row_floats = 2 * padded + static_cast<std::size_t>(RC_PADDED(plan.lidar.gate.bins));
-  tables.options += define("RC_TAPS_PADDED", padded);
-  tables.shot_options +=
-      define("RC_ROW_WINDOW", tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple ? kRowWindow : 0);
+  tables.plan[RC_PLAN_TAPS] = static_cast<std::uint32_t>(padded);
+  tables.scratch_floats =
+      2 * tables.way_rows * static_cast<std::size_t>(plan.lines()) * (tables.row_floats + padded) + 2 * padded;
   tables.stopped_floats =
       tables.owner_rows * tables.row_floats + RC_PADDED(tables.owner_rows / static_cast<std::size_t>(plan.lines()));
+}
+
+/// Width of the square that the sub-rays cover and a little more, in sixteenths.
+double support(const lidar::Footprint& footprint) {
+  float largest = 0.5f;
+  for (const auto* part : {&footprint.a, &footprint.b})
+    for (const float x : *part) largest = std::max(largest, std::abs(x));
+  return std::ceil(32.01f * largest) / 16;
 }
 
 void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -168,11 +173,23 @@ void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
   set(RC_SET_AIR_DZ, plan.air.dz_m);
   set(RC_SET_AIR_POSTS, plan.air.posts);
   set(RC_SET_GATE_WAY, lidar.gate.start_s * 299792458.0 / lidar.transport.group_index);
+  set(RC_SET_SUPPORT, support(plan.footprint));
+}
+
+void set_options(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
+  const std::string common = " -cl-std=CL1.2";
+  const bool window = tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple;
+  const std::string lines = define("RC_MOST_LINES", std::max(plan.lines(), static_cast<int>(plan.nodes.size())));
+  tables.shot_options = common + define("RC_CHUNK_SAMPLES", tables.chunk) +
+                        define("RC_STACK", kernel_stack(scene.stack_bound())) + define("RC_FEATURES", tables.features) +
+                        lines + define("RC_ROW_WINDOW", window ? kRowWindow : 0);
+  tables.air_options = common + define("RC_FEATURES", tables.features) + lines;
+  tables.beam_options = common + define("RC_FEATURES", tables.features);
 }
 
 }  // namespace
 
-LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::CompiledScene& scene) {
+LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, bool apart, bool hits) {
   const scene::Lidar& lidar = plan.lidar;
   const bool receiver = lidar.transport.sampling == scene::LidarSampling::receiver,
              exits = !plan.footprint.exit_a.empty();
@@ -183,33 +200,40 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   LidarTables tables;
   const auto rays = static_cast<int>(plan.footprint.a.size());
   const double unit = receiver ? lidar.receiver.pixel_pitch_rad : lidar.pulse.half_divergence_rad;
-  tables.single = exits || unit < kNarrow || rays < 2;
+  const bool single = exits || unit < kNarrow || rays < 2;
   tables.chunk = std::min(RC_PADDED(rays), kMostBundle);
-  float largest = 0.5f;
-  for (const auto* part : {&plan.footprint.a, &plan.footprint.b})
-    for (const float x : *part) largest = std::max(largest, std::abs(x));
-  tables.samples = tables.single ? single_samples(plan.footprint) : bundle_samples(plan.footprint, tables.chunk);
+  tables.samples = single ? single_samples(plan.footprint) : bundle_samples(plan.footprint, tables.chunk);
   for (const auto* part : {&plan.footprint.exit_a, &plan.footprint.exit_b}) {
     tables.exits.insert(tables.exits.end(), part->begin(), part->end());
     if (exits) tables.exits.resize(RC_PADDED(tables.exits.size()), 0.0f);
   }
   tables.multiple = lidar.transport.max_bounces > 1;
   tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());
-  tables.options = " -cl-std=CL1.2" + define("RC_CHUNK_SAMPLES", tables.chunk) +
-                   define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) + "f" + define("RC_RECEIVER", int{receiver}) +
-                   define("RC_LASER_LINES", plan.lines()) + define("RC_COLUMNS", lidar.receiver.columns) +
-                   define("RC_ROWS", lidar.receiver.rows) + define("RC_RAY_COUNT", rays) +
-                   define("RC_SINGLE", int{tables.single}) + define("RC_EXITS", int{exits}) +
-                   define("RC_OVERLAP", lidar.transport.overlap == scene::LidarOverlap::exact ? 1 : 0) +
-                   define("RC_GAUSSIAN", lidar.pulse.profile == scene::BeamProfile::gaussian ? 1 : 0);
-  tables.air_options = define("RC_LINE_NODES", plan.nodes.size());
-  tables.shot_options =
-      define("RC_STACK", kernel_stack(scene.stack_bound())) + define("RC_BOUNCES", lidar.transport.max_bounces);
+  const auto feature = [&](bool has, std::uint32_t which) { tables.features |= has ? which : 0u; };
+  feature(receiver, RC_FEATURE_RECEIVER);
+  feature(single, RC_FEATURE_SINGLE);
+  feature(exits, RC_FEATURE_EXITS);
+  feature(!receiver && plan.pixels() > 1, RC_FEATURE_PIXELS);
+  feature(lidar.transport.overlap == scene::LidarOverlap::exact, RC_FEATURE_OVERLAP);
+  feature(lidar.pulse.profile == scene::BeamProfile::gaussian, RC_FEATURE_GAUSSIAN);
+  feature(hits, RC_FEATURE_HITS);
+  feature(tables.multiple, RC_FEATURE_BOUNCES);
+  feature(apart, RC_FEATURE_SHADOWS);
+  tables.plan.resize(RC_PLAN_COUNT);
+  tables.plan[RC_PLAN_LINES] = static_cast<std::uint32_t>(plan.lines());
+  tables.plan[RC_PLAN_NODES] = static_cast<std::uint32_t>(plan.nodes.size());
+  tables.plan[RC_PLAN_COLUMNS] = static_cast<std::uint32_t>(lidar.receiver.columns);
+  tables.plan[RC_PLAN_ROWS] = static_cast<std::uint32_t>(lidar.receiver.rows);
+  tables.plan[RC_PLAN_RAYS] = static_cast<std::uint32_t>(rays);
+  tables.plan[RC_PLAN_SLOTS] = static_cast<std::uint32_t>(tables.chunk);
+  tables.plan[RC_PLAN_BOUNCES] = static_cast<std::uint32_t>(lidar.transport.max_bounces);
   fill_matter(plan, scene, tables);
   fill_air(plan, tables);
   fill_volumes(plan, scene, tables);
   fill_taps(plan, tables);
   fill_settings(plan, tables);
+  tables.plan[RC_PLAN_FEATURES] = tables.features;
+  set_options(plan, scene, tables);
   for (const double photons : plan.photons) tables.photons.push_back(static_cast<float>(photons));
   for (const auto& node : plan.nodes) tables.node_weight.push_back(static_cast<float>(node.weight));
   for (const int node : plan.first_node) tables.first_node.push_back(static_cast<std::uint32_t>(node));

@@ -12,40 +12,39 @@ RC_BODY lidar_air_body(uint owner, RC_PARAMETERS(RC_LIDAR_AIR_ARGUMENTS)) {
   const LidarTables all = rc_tables(shots + (size_t)owner * RC_SHOT_FLOAT4S, RC_PASSED(RC_LIDAR_TABLE_ARGUMENTS));
   const LidarTables* t = &all;
   const Beam beam = rc_beam(t);
-  const size_t own_rows = (size_t)RC_OWN_PIXELS * RC_LASER_LINES;
-  global float* own = rows + (size_t)owner * RC_WAY_ROWS * own_rows * t->row;
+  const size_t own_rows = (size_t)RC_OWN_PIXELS(t) * RC_LINES(t);
+  global float* own = rows + (size_t)owner * rc_way_rows(t) * own_rows * t->row;
   const Impulses impulses = rc_impulses(t, scratch, owner);
-  float share[2][RC_TAPS_PADDED];
-  rc_phase_shares(t, share);
-  float total[RC_LASER_LINES][RC_SUM_COUNT][2];
-  for (uint line = 0; line < RC_LASER_LINES; ++line)
+  rc_phase_shares(t, impulses);
+  float total[RC_MOST_LINES][RC_SUM_COUNT][2];
+  for (uint line = 0; line < RC_LINES(t); ++line)
     for (uint i = 0; i < RC_SUM_COUNT; ++i) total[line][i][0] = total[line][i][1] = 0.0f;
 
-  for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) {
-    global const float* table = tables + ((size_t)beam_of[owner] * RC_OWN_PIXELS + pixel) * RC_BEAM_FLOATS;
+  for (uint pixel = 0; pixel < RC_OWN_PIXELS(t); ++pixel) {
+    global const float* table = tables + ((size_t)beam_of[owner] * RC_OWN_PIXELS(t) + pixel) * RC_BEAM_FLOATS;
     rc_clear_impulses(impulses);
-    Stopped gone = rc_begin_stopped(t, stopped + owner * rc_stopped_floats(t->row), pixel);
+    Stopped gone = rc_begin_stopped(t, stopped + owner * rc_stopped_floats(t), pixel);
     Swept swept[2]; /* the two cells of a bin are one behind the other: each chain sweeps all */
     for (uint g = 0; g < 2u; ++g) rc_begin_sweep(t, swept + g);
-    for (int bin = -RC_ROW_PAD; bin < t->bins + RC_ROW_PAD; bin += 16) {
-      float16 lit[RC_LASER_LINES];
+    for (int bin = -t->padded_taps; bin < t->bins + t->padded_taps; bin += 16) {
+      float16 lit[RC_MOST_LINES];
       rc_still_lit(t, &gone, bin, lit);
       WayLight light;
       for (uint g = 0; g < 2u; ++g) rc_way_light(t, &beam, table, backscatter, lit, bin, g, swept + g, &light);
-      for (uint line = 0; line < RC_LASER_LINES; ++line) {
+      for (uint line = 0; line < RC_LINES(t); ++line) {
         rc_put(t, impulses, 0u, line, total[line], bin, light.air[line]);
-        if (RC_VOLUMES) rc_put(t, impulses, 1u, line, total[line], bin, light.particles[line]);
+        if (RC_HAS(t, VOLUMES)) rc_put(t, impulses, 1u, line, total[line], bin, light.particles[line]);
       }
     }
-    for (uint kind = 0; kind < RC_WAY_ROWS; ++kind)
-      for (uint line = 0; line < RC_LASER_LINES; ++line)
-        rc_spread(t, impulses, kind, line, share, own + (kind * own_rows + pixel * RC_LASER_LINES + line) * t->row);
+    for (uint kind = 0; kind < rc_way_rows(t); ++kind)
+      for (uint line = 0; line < RC_LINES(t); ++line)
+        rc_spread(t, impulses, kind, line, own + (kind * own_rows + pixel * RC_LINES(t) + line) * t->row);
   }
-  for (uint line = 0; line < RC_LASER_LINES; ++line) {
-    for (uint kind = 0; kind < RC_WAY_ROWS; ++kind)
-      for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel)
-        rc_close_row(t, own + (kind * own_rows + pixel * RC_LASER_LINES + line) * t->row, total[line]);
-    rc_write_sums(total[line], sums + 2u * (((size_t)owner * RC_LASER_LINES + line) * RC_SUM_COUNT));
+  for (uint line = 0; line < RC_LINES(t); ++line) {
+    for (uint kind = 0; kind < rc_way_rows(t); ++kind)
+      for (uint pixel = 0; pixel < RC_OWN_PIXELS(t); ++pixel)
+        rc_close_row(t, own + (kind * own_rows + pixel * RC_LINES(t) + line) * t->row, total[line]);
+    rc_write_sums(total[line], sums + 2u * (((size_t)owner * RC_LINES(t) + line) * RC_SUM_COUNT));
   }
 }
 

@@ -15,34 +15,29 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
   LidarTables tables = rc_tables(shots + (size_t)owner * RC_SHOT_FLOAT4S, RC_PASSED(RC_LIDAR_TABLE_ARGUMENTS));
   tables.samples = samples, tables.exits = exits, tables.optics = optics, tables.lobes = lobes, tables.seed = seed;
   const LidarTables* t = &tables;
-  const size_t own_floats = (size_t)RC_OWN_PIXELS * RC_LASER_LINES * t->row;
+  const size_t own_floats = (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row;
 #if RC_ROW_WINDOW
   RC_LINE float window[RC_ROW_WINDOW];
-  const OwnerRows own = {window, window, stopped + (RC_STOPPED ? owner * rc_stopped_floats(t->row) : 0)};
+  const OwnerRows own = {window, window, stopped + (RC_HAS(t, STOPPED) ? owner * rc_stopped_floats(t) : 0)};
 #else
-  const OwnerRows own = {first + owner * own_floats, multiple + (RC_BOUNCES > 1 ? owner * own_floats : 0),
-                         stopped + (RC_STOPPED ? owner * rc_stopped_floats(t->row) : 0)};
+  const OwnerRows own = {first + owner * own_floats, multiple + (RC_HAS(t, BOUNCES) ? owner * own_floats : 0),
+                         stopped + (RC_HAS(t, STOPPED) ? owner * rc_stopped_floats(t) : 0)};
 #endif
   LidarSums total;
   OwnerMemory memory;
-  rc_begin_memory(&memory);
-  rc_clear_sums(&total);
+  rc_begin_memory(t, &memory);
+  rc_clear_sums(t, &total);
   rc_clear_rows(t, &own);
 
-  for (uint begin = 0; begin < RC_RAY_COUNT; begin += RC_CHUNK_SAMPLES) {
-#if !RC_SINGLE
+  for (uint begin = 0; begin < t->rays; begin += RC_CHUNK_SAMPLES) {
     global const Scatter* scatter = (global const Scatter*)samples + begin / RC_CHUNK_SAMPLES;
     Closest closest;
-    rc_trace_bundle(scene, t, scatter, &closest);
-#endif
-    const uint rays = min((uint)RC_CHUNK_SAMPLES, RC_RAY_COUNT - begin);
+    if (!RC_HAS(t, SINGLE)) rc_trace_bundle(scene, t, scatter, &closest);
+    const uint rays = min((uint)RC_CHUNK_SAMPLES, t->rays - begin);
     for (uint slot = 0; slot < rays; slot += RC_WORD) {
-#if RC_SINGLE
-      const HitWord word = rc_trace_word(scene, t, begin + slot);
-#else
-      const HitWord word = rc_word_of_bundle(scatter, &closest, slot);
-#endif
-      if (RC_HITS) rc_write_hits(&word, owner, begin + slot, first_hits);
+      const HitWord word =
+          RC_HAS(t, SINGLE) ? rc_trace_word(scene, t, begin + slot) : rc_word_of_bundle(scatter, &closest, slot);
+      if (RC_HAS(t, HITS)) rc_write_hits(t, &word, owner, begin + slot, first_hits);
       rc_follow_word(scene, t, word.a, word.b, begin + slot, word.instances, word.primitives, own.first, own.multiple,
                      own.stopped, &memory, &total);
     }
@@ -50,15 +45,15 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
 
   rc_fold_memory(t, &memory, own.first, &total);
   rc_close_rows(t, &own, &total);
-  for (uint line = 0; line < RC_LASER_LINES; ++line) {
-    const size_t at = (size_t)owner * RC_LASER_LINES + line;
+  for (uint line = 0; line < RC_LINES(t); ++line) {
+    const size_t at = (size_t)owner * RC_LINES(t) + line;
     rc_write_sums(total.sum[line], sums + 2u * (at * RC_SUM_COUNT));
     for (uint i = 0; i < RC_LEDGER_COUNT; ++i) ledger[at * RC_LEDGER_COUNT + i] = total.ledger[line][i];
   }
 #if RC_ROW_WINDOW
   rc_store_window(t, window, first + owner * own_floats);
 #endif
-  counts[owner] = RC_RAY_COUNT + total.rays;
+  counts[owner] = t->rays + total.rays;
 }
 
 kernel void lidar_shots(RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {

@@ -4,7 +4,6 @@
 
 #include "kernels/lidar/context.h"
 
-#if RC_AIR
 static inline int rc_air_cell(float z, float z0, float dz, uint posts) {
   return (int)clamp(floor((z - z0) / dz), 0.0f, (float)(posts - 1u));
 }
@@ -22,22 +21,21 @@ static inline float rc_air_mean(global const float2* air, float z0, float dz, fl
 }
 
 /* Adds the depths of 16 segments between heights, `length` m each, to depth[node]. */
-__attribute__((noinline)) static void rc_air_depths(const LidarTables* t, float16 from_z, float16 to_z, float16 length,
-                                                    float16* depth) {
+__attribute__((noinline, unused)) static void rc_air_depths(const LidarTables* t, float16 from_z, float16 to_z,
+                                                            float16 length, float16* depth) {
   RC_LINE float low[16], high[16];
-  RC_LINE float mean[RC_LINE_NODES][16];
+  RC_LINE float mean[RC_MOST_LINES][16];
   rc_store16(fmin(from_z, to_z), 0, low);
   rc_store16(fmax(from_z, to_z), 0, high);
   const float z0 = t->settings[RC_SET_AIR_Z0], dz = t->settings[RC_SET_AIR_DZ];
   const uint posts = (uint)t->settings[RC_SET_AIR_POSTS];
   for (uint k = 0; k < 16u; ++k) {
     const int a = rc_air_cell(low[k], z0, dz, posts), b = rc_air_cell(high[k], z0, dz, posts);
-    for (uint node = 0; node < RC_LINE_NODES; ++node)
+    for (uint node = 0; node < RC_LINE_NODES(t); ++node)
       mean[node][k] = rc_air_mean(t->air + node * posts, z0, dz, low[k], high[k], a, b);
   }
-  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = fma(length, rc_load16(0, mean[node]), depth[node]);
+  for (uint node = 0; node < RC_LINE_NODES(t); ++node) depth[node] = fma(length, rc_load16(0, mean[node]), depth[node]);
 }
-#endif
 
 /* What the nodes of a line let through; nodes are averaged after the exponential. */
 static inline float16 rc_line_transmission(const LidarTables* t, uint line, const float16* depth) {

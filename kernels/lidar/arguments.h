@@ -16,6 +16,7 @@
   READ(rc_float, volume_depth) NEXT() \
   READ(rc_float, taps) NEXT() \
   READ(rc_float, settings) NEXT() \
+  READ(rc_uint, plan) NEXT()            /* [RC_PLAN_COUNT] */ \
   VALUE(rc_int, bins) NEXT() \
   VALUE(rc_int, taps_used) NEXT() \
   VALUE(rc_int, first_tap) NEXT() \
@@ -46,6 +47,7 @@
   READ(rc_float, samples) NEXT() \
   READ(rc_float, exits) NEXT() \
   READ(rc_float, settings) NEXT() \
+  READ(rc_uint, plan) NEXT() \
   WRITE(rc_float, tables) NEXT()        /* [beam][pixel][RC_BEAM_FLOATS] */ \
   VALUE(rc_int, bins)
 
@@ -56,8 +58,8 @@
   READ(rc_float, backscatter) NEXT()    /* [line][post], 1 / (m sr) */ \
   RC_LIDAR_TABLE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   READ(rc_float, stopped) NEXT() \
-  WRITE(rc_float, rows) NEXT()          /* [owner][RC_WAY_ROWS][pixel][line][row] */ \
-  WRITE(rc_float, scratch) NEXT()       /* [owner]: its impulses */ \
+  WRITE(rc_float, rows) NEXT()          /* [owner][kind][pixel][line][row] */ \
+  WRITE(rc_float, scratch) NEXT()       /* [owner]: its impulses, shares of the pulse */ \
   WRITE(rc_float, sums)               /* [owner][line][RC_SUM_COUNT][2] */
 /* clang-format on */
 

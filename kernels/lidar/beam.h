@@ -61,79 +61,76 @@ static inline float16 rc_beam_rays(const LidarTables* t, const Beam* beam, float
                       fma(far, d.z, leaves.z + beam->apart.z)};
   const float16 square = fmax(rc_dot16(v, v), 1e-30f), deep = rc_dot_axis(v, axis), cosine = deep * rsqrt(square);
   const int16 ahead = deep > 0.0f;
-#if RC_RECEIVER || (RC_COLUMNS * RC_ROWS == 1 && RC_OVERLAP)
   const Vector16 beside = {fma(-deep, (float16)(axis.x), v.x), fma(-deep, (float16)(axis.y), v.y),
                            fma(-deep, (float16)(axis.z), v.z)};
   const float16 aside = rc_dot16(beside, beside);
-#endif
-#if RC_RECEIVER
-  const float16 off = rc_dot_axis(d, shot[RC_SHOT_START_AXIS]) * unit, spread = deep * shot[RC_SHOT_END_U].w;
-#if RC_GAUSSIAN
-  const float16 spot = fmax(fma(spread, spread, (float16)(axis.w * axis.w)), 1e-30f),
-                fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
-#else
-  const float16 radius = spread + axis.w,
-                fluence =
-                    select((float16)(0.0f), 0.318309886f / fmax(radius * radius, 1e-30f), aside <= radius * radius);
-#endif
-  return select((float16)(0.0f), off * off * off * off * fluence / fmax(cosine, 1e-6f) * norm, ahead);
-#else
+  if (RC_HAS(t, RECEIVER)) {
+    const float16 off = rc_dot_axis(d, shot[RC_SHOT_START_AXIS]) * unit, spread = deep * shot[RC_SHOT_END_U].w;
+    float16 fluence;
+    if (RC_HAS(t, GAUSSIAN)) {
+      const float16 spot = fmax(fma(spread, spread, (float16)(axis.w * axis.w)), 1e-30f);
+      fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
+    } else {
+      const float16 radius = spread + axis.w;
+      fluence = select((float16)(0.0f), 0.318309886f / fmax(radius * radius, 1e-30f), aside <= radius * radius);
+    }
+    return select((float16)(0.0f), off * off * off * off * fluence / fmax(cosine, 1e-6f) * norm, ahead);
+  }
   int16 seen = ahead;
   float16 share = cosine * norm / square;
-#if RC_COLUMNS * RC_ROWS > 1
-  const float16 step = 1.0f / (fmax(deep, 1e-30f) * t->settings[RC_SET_PITCH]);
-  const float16 column = floor(fma(rc_dot_axis(v, shot[RC_SHOT_END_U]), step, (float16)(0.5f * (float)RC_COLUMNS)));
-  const float16 row = floor(fma(rc_dot_axis(v, shot[RC_SHOT_END_V]), step, (float16)(0.5f * (float)RC_ROWS)));
-  seen &= (column >= 0.0f) & (column < (float)RC_COLUMNS) & (fma(row, (float16)((float)RC_COLUMNS), column) == pixel);
-#elif RC_OVERLAP
-  share *= rc_vignetting(t->settings, fmax(deep, 1e-20f), sqrt(aside));
-#endif
+  if (RC_HAS(t, PIXELS)) {
+    const float columns = (float)t->columns, rows = (float)t->rows;
+    const float16 step = 1.0f / (fmax(deep, 1e-30f) * t->settings[RC_SET_PITCH]);
+    const float16 column = floor(fma(rc_dot_axis(v, shot[RC_SHOT_END_U]), step, (float16)(0.5f * columns)));
+    const float16 row = floor(fma(rc_dot_axis(v, shot[RC_SHOT_END_V]), step, (float16)(0.5f * rows)));
+    seen &= (column >= 0.0f) & (column < columns) & (fma(row, (float16)(columns), column) == pixel);
+  } else if (RC_HAS(t, OVERLAP)) {
+    share *= rc_vignetting(t->settings, fmax(deep, 1e-20f), sqrt(aside));
+  }
   return select((float16)(0.0f), share, seen);
-#endif
 }
 
 /* Word of 16 sub-rays, in either form of the table; see lidar_shots. INFINITY: none. */
 static inline void rc_beam_word(const LidarTables* t, uint word, float16* a, float16* b) {
-#if RC_SINGLE
-  *a = rc_load16(2u * word, t->samples);
-  *b = rc_load16(2u * word + 1u, t->samples);
-#else
-  const uint slots = RC_NEAR_SAMPLES, words = (RC_NEAR_SAMPLES / RC_WORD), bounds = RC_PADDED(words);
+  if (RC_HAS(t, SINGLE)) {
+    *a = rc_load16(2u * word, t->samples);
+    *b = rc_load16(2u * word + 1u, t->samples);
+    return;
+  }
+  const uint slots = t->slots, words = slots / RC_WORD, bounds = RC_PADDED(words);
   global const float* at = t->samples + (size_t)(word / words) * (2u * slots + 4u * bounds) + word % words * 16u;
   *a = rc_load16(0, at);
   *b = rc_load16(0, at + slots);
-#endif
 }
 
 /* Sum over all rays at one distance. */
 static inline float rc_beam_sum(const LidarTables* t, const Beam* beam, float s, float pixel) {
-#if !RC_RECEIVER && RC_COLUMNS * RC_ROWS == 1
-  /* All of the beam well inside the stop, or no stop: the middle ray speaks for all. */
-  const float4 axis = (float4)(t->shot[RC_SHOT_END_AXIS].xyz, 0.0f), v = beam->apart + s * beam->way;
-  const float deep = dot(v, axis), square = dot(v, v);
-  if (!(deep > 0.0f)) return 0.0f;
-#if RC_OVERLAP
-  const float4 beside = v - deep * axis;
-  const float reach = 0.75f * RC_SUPPORT * s * length(t->shot[RC_SHOT_DU].xyz) +
-                      (RC_EXITS ? 2.5f * length(t->shot[RC_SHOT_EXIT_U].xyz) : 0.0f);
-  const float blur = fabs(1.0f / deep - t->settings[RC_SET_FOCUS]) * t->settings[RC_SET_PUPIL];
-  if ((length(beside.xyz) + reach) / deep + blur < t->settings[RC_SET_HALF_FOV])
-#endif
-    return deep * rsqrt(square) * (float)RC_RAY_COUNT;
-#endif
+  if (!RC_HAS(t, RECEIVER) && !RC_HAS(t, PIXELS)) {
+    /* All of the beam well inside the stop, or no stop: the middle ray speaks for all. */
+    const float4 axis = (float4)(t->shot[RC_SHOT_END_AXIS].xyz, 0.0f), v = beam->apart + s * beam->way;
+    const float deep = dot(v, axis), square = dot(v, v);
+    if (!(deep > 0.0f)) return 0.0f;
+    const float4 beside = v - deep * axis;
+    const float reach = 0.75f * t->settings[RC_SET_SUPPORT] * s * length(t->shot[RC_SHOT_DU].xyz) +
+                        (RC_HAS(t, EXITS) ? 2.5f * length(t->shot[RC_SHOT_EXIT_U].xyz) : 0.0f);
+    const float blur = fabs(1.0f / deep - t->settings[RC_SET_FOCUS]) * t->settings[RC_SET_PUPIL];
+    if (!RC_HAS(t, OVERLAP) || (length(beside.xyz) + reach) / deep + blur < t->settings[RC_SET_HALF_FOV])
+      return deep * rsqrt(square) * (float)t->rays;
+  }
   float16 sum = 0.0f;
-  for (uint word = 0; word < RC_PADDED_RAYS / RC_WORD; ++word) {
+  const uint padded_rays = rc_padded_rays(t);
+  for (uint word = 0; word < padded_rays / RC_WORD; ++word) {
     float16 a, b;
     rc_beam_word(t, word, &a, &b);
     const int16 exists = a < INFINITY;
     Vector16 leaves = {0.0f, 0.0f, 0.0f};
-#if RC_EXITS
-    const float4 eu = t->shot[RC_SHOT_EXIT_U], ev = t->shot[RC_SHOT_EXIT_V];
-    const float16 ea = rc_load16(word, t->exits), eb = rc_load16(word, t->exits + RC_PADDED_RAYS);
-    leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
-    leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
-    leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
-#endif
+    if (RC_HAS(t, EXITS)) {
+      const float4 eu = t->shot[RC_SHOT_EXIT_U], ev = t->shot[RC_SHOT_EXIT_V];
+      const float16 ea = rc_load16(word, t->exits), eb = rc_load16(word, t->exits + padded_rays);
+      leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
+      leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
+      leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
+    }
     a = select((float16)(0.0f), a, exists);
     b = select((float16)(0.0f), b, exists);
     sum += select((float16)(0.0f), rc_beam_rays(t, beam, s, a, b, leaves, pixel), exists);

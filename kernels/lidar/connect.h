@@ -12,22 +12,17 @@
 
 /* 16 paths at a scattering vertex. */
 typedef struct Paths16 {
-  Vector16 place;                 /* of the vertex, relative to Q */
-  Vector16 way;                   /* unit, in which light arrived */
-  float16 path;                   /* m, so far, minus |Q - start| */
-  float16 weight[RC_LASER_LINES]; /* photons at the end per (1/sr of the vertex and what follows) */
-  float16 depth[RC_LINE_NODES];   /* so far */
-  float16 passed[RC_LASER_LINES]; /* transmission of `depth` */
-#if RC_STOPPED
-  float16 open[RC_LASER_LINES]; /* share of the ray that plates let through so far */
-#endif
-#if RC_LANE_ENERGY
-  long16 energy[RC_LASER_LINES]; /* arriving, for the ledger */
-#else
-  uint first_ray;
-#endif
-  float16 first_range; /* m, from the start to the first vertex */
-  uint order[16];      /* scatterings, this one included */
+  Vector16 place;                /* of the vertex, relative to Q */
+  Vector16 way;                  /* unit, in which light arrived */
+  float16 path;                  /* m, so far, minus |Q - start| */
+  float16 weight[RC_MOST_LINES]; /* photons at the end per (1/sr of the vertex and what follows) */
+  float16 depth[RC_MOST_LINES];  /* so far, [node] */
+  float16 passed[RC_MOST_LINES]; /* transmission of `depth` */
+  float16 open[RC_MOST_LINES];   /* share of the ray that plates let through so far (RC_FEATURE_STOPPED) */
+  long16 energy[RC_MOST_LINES];  /* arriving, for the ledger (RC_LANE_ENERGY) */
+  uint first_ray;                /* of the word */
+  float16 first_range;           /* m, from the start to the first vertex */
+  uint order[16];                /* scatterings, this one included */
   uint live;
 } RC_LINE Paths16;
 
@@ -50,28 +45,29 @@ static inline Leg16 rc_leg16(float4 c, Vector16 e) {
   return leg;
 }
 
-#if !RC_RECEIVER && RC_COLUMNS * RC_ROWS > 1
 /* Pixels that places are seen in, v from the pupil and `deep` along its axis; -1: none. */
 static inline float16 rc_pixel16(const LidarTables* t, Vector16 v, float16 deep) {
   const float4 u = t->shot[RC_SHOT_END_U], w = t->shot[RC_SHOT_END_V];
+  const float columns = (float)t->columns, rows = (float)t->rows;
   const float16 step = 1.0f / (fmax(deep, 1e-30f) * t->settings[RC_SET_PITCH]);
-  const float16 column = floor(
-      fma(fma((float16)(u.x), v.x, fma((float16)(u.y), v.y, u.z * v.z)), step, (float16)(0.5f * (float)RC_COLUMNS)));
+  const float16 column =
+      floor(fma(fma((float16)(u.x), v.x, fma((float16)(u.y), v.y, u.z * v.z)), step, (float16)(0.5f * columns)));
   const float16 row =
-      floor(fma(fma((float16)(w.x), v.x, fma((float16)(w.y), v.y, w.z * v.z)), step, (float16)(0.5f * (float)RC_ROWS)));
-  const int16 seen =
-      (deep > 0.0f) & (column >= 0.0f) & (column < (float)RC_COLUMNS) & (row >= 0.0f) & (row < (float)RC_ROWS);
-  return select((float16)(-1.0f), fma(row, (float16)((float)RC_COLUMNS), column), seen);
+      floor(fma(fma((float16)(w.x), v.x, fma((float16)(w.y), v.y, w.z * v.z)), step, (float16)(0.5f * rows)));
+  const int16 seen = (deep > 0.0f) & (column >= 0.0f) & (column < columns) & (row >= 0.0f) & (row < rows);
+  return select((float16)(-1.0f), fma(row, (float16)(columns), column), seen);
 }
-#endif
 
-#if RC_CONTINUES || RC_SHADOWS
 /* Share of light that goes from a point to the end, plates on the way: visible[line]. towards: from the point to the
  * end. */
 static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 from, float4 towards, float* share) {
   uint rays = 0;
-  for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 1.0f;
-#if RC_PLATES
+  for (uint line = 0; line < RC_LINES(t); ++line) share[line] = 1.0f;
+  if (!RC_HAS(t, PLATES)) {
+    if (rc_way_blocked(scene, from, towards))
+      for (uint line = 0; line < RC_LINES(t); ++line) share[line] = 0.0f;
+    return 1u;
+  }
   const float4 end = from + towards;
   for (uint crossing = 0; crossing < 64u; ++crossing) {
     const float4 rest = end - from;
@@ -80,8 +76,8 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
     if (!(hit.t < 1.0f)) return rays;
     const uint surface = rc_surface_of(scene, hit.primitive);
     bool any = false;
-    for (uint line = 0; line < RC_LASER_LINES; ++line) {
-      share[line] *= t->optics[surface * RC_LASER_LINES + line].z;
+    for (uint line = 0; line < RC_LINES(t); ++line) {
+      share[line] *= t->optics[surface * RC_LINES(t) + line].z;
       any |= share[line] > 0.0f;
     }
     if (!any) return rays;
@@ -89,18 +85,15 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
     const float4 at = fma((float4)(hit.t), rest, from), size = fabs(at) + fabs(from);
     from = at + rest * (32.0f * RC_ULP * (size.x + size.y + size.z) / length(rest.xyz));
   }
-#else
-  ++rays;
-  if (!rc_way_blocked(scene, from, towards)) return rays;
-#endif
-  for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
+  for (uint line = 0; line < RC_LINES(t); ++line) share[line] = 0.0f;
   return rays;
 }
+
 /* Whether what lies past the end, seen from the scene, is none of it: ways that start in the scene's box and leave it
  * before their end may be asked without one. */
 static inline bool rc_end_beyond(SceneArrays scene, const LidarTables* t) {
   global const BvhNode* root = rc_node(scene, 0u);
-  const float4 end = t->shot[RC_SHOT_REFERENCE] - t->shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START];
+  const float4 end = t->shot[RC_SHOT_REFERENCE] - t->shot[RC_HAS(t, SHADOWS) ? RC_SHOT_FROM_END : RC_SHOT_FROM_START];
   float4 low = INFINITY, high = -INFINITY;
   for (uint slot = 0; slot < root->count; ++slot) {
     low = fmin(low, (float4)(root->lo_x[slot], root->lo_y[slot], root->lo_z[slot], 0.0f));
@@ -124,60 +117,53 @@ static inline uint rc_ways_open(SceneArrays scene, const LidarTables* t, const V
   for (; lanes; lanes &= lanes - 1u) {
     const uint k = rc_lowest(lanes);
     bool any = side[k] > 0.0f;
-#if RC_LEAVES
-    for (uint line = 0; line < RC_LASER_LINES; ++line)
-      any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
-#endif
+    if (RC_HAS(t, LEAVES))
+      for (uint line = 0; line < RC_LINES(t); ++line)
+        any |= t->optics[vertex->surface[k] * RC_LINES(t) + line].y > 0.0f;
     if (any) asked |= 1u << k;
   }
-  for (uint line = 0; line < RC_LASER_LINES; ++line)
+  for (uint line = 0; line < RC_LINES(t); ++line)
     for (uint k = 0; k < 16u; ++k) visible[line][k] = 0.0f;
-#if !RC_PLATES
-  if (popcount(asked) > RC_FEW_RAYS && rc_end_beyond(scene, t)) { /* sixteen at once */
+  if (!RC_HAS(t, PLATES) && popcount(asked) > RC_FEW_RAYS && rc_end_beyond(scene, t)) { /* sixteen at once */
     Rays16 ways;
     for (uint left = asked; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
       rc_put_ray(&ways, k, side[k] > 0.0f ? rc_lane4(front, k) : rc_lane4(back, k), -rc_lane4(place, k));
     }
     const uint open = asked & ~rc_hidden_of(scene, &ways, asked, RC_NONE, 0u);
-    for (uint line = 0; line < RC_LASER_LINES; ++line)
+    for (uint line = 0; line < RC_LINES(t); ++line)
       for (uint left = open; left; left &= left - 1u) visible[line][rc_lowest(left)] = 1.0f;
     return popcount(asked);
   }
-#endif
   for (; asked; asked &= asked - 1u) {
     const uint k = rc_lowest(asked);
-    float share[RC_LASER_LINES];
+    float share[RC_MOST_LINES];
     rays += rc_way_open(scene, t, side[k] > 0.0f ? rc_lane4(front, k) : rc_lane4(back, k), -rc_lane4(place, k), share);
-    for (uint line = 0; line < RC_LASER_LINES; ++line) visible[line][k] = share[line];
+    for (uint line = 0; line < RC_LINES(t); ++line) visible[line][k] = share[line];
   }
   return rays;
 }
-#endif
 
-#if RC_MEDIA
 /* Depths of the whole ways, so far and home to the end; where no ray is sent, home is the way that the light came by.
  * */
 static inline void rc_depths_home(const LidarTables* t, const Paths16* paths, Vector16 v, float16 range,
                                   float16 inverse, uint lanes, bool shadow, float16* depth) {
-  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f);
+  for (uint node = 0; node < RC_LINE_NODES(t); ++node) depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f);
   if (!shadow) return;
   const float4 reference = t->shot[RC_SHOT_REFERENCE];
-#if RC_AIR
-  const float4 from_end = t->shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START];
-  rc_air_depths(t, (float16)(reference.z - from_end.z), reference.z + paths->place.z, range, depth);
-#endif
-#if RC_VOLUMES
-  const Vector16 outwards = {v.x * inverse, v.y * inverse, v.z * inverse};
-  rc_volume_depths(t, rc_plus16(rc_vector16(reference), paths->place), outwards, range, lanes, depth);
-#endif
+  if (RC_HAS(t, AIR)) {
+    const float4 from_end = t->shot[RC_HAS(t, SHADOWS) ? RC_SHOT_FROM_END : RC_SHOT_FROM_START];
+    rc_air_depths(t, (float16)(reference.z - from_end.z), reference.z + paths->place.z, range, depth);
+  }
+  if (RC_HAS(t, VOLUMES)) {
+    const Vector16 outwards = {v.x * inverse, v.y * inverse, v.z * inverse};
+    rc_volume_depths(t, rc_plus16(rc_vector16(reference), paths->place), outwards, range, lanes, depth);
+  }
 }
-#endif
 
-#if RC_GLOSS || RC_SHAPED
 /* 1/sr: what is reflected per unit of reflectance, and the gloss beside it. */
 typedef struct Lobes16 {
-  float front[RC_LOBE_LINES][16], gloss[RC_LOBE_LINES][16];
+  float front[RC_MOST_LINES][16], gloss[RC_MOST_LINES][16];
 } RC_LINE Lobes16;
 
 /* Of light that arrived along `way` and leaves along `home`, in `lanes`. */
@@ -188,20 +174,15 @@ static inline void rc_lobes16(const LidarTables* t, const Vertex16* vertex, Vect
   rc_store_vector16(way, in);
   rc_store_vector16(home, out);
   for (uint k = 0; k < 16u; ++k) {
-    for (uint line = 0; line < RC_LOBE_LINES; ++line) lobes->front[line][k] = lobes->gloss[line][k] = 0.0f;
+    for (uint line = 0; line < RC_LOBE_LINES(t); ++line) lobes->front[line][k] = lobes->gloss[line][k] = 0.0f;
     if (!(lanes >> k & 1u)) continue;
     const RcAngles angles = rc_angles(rc_lane4(normal, k), -rc_lane4(in, k), rc_lane4(out, k));
-    for (uint line = 0; line < RC_LOBE_LINES; ++line) {
-#if RC_GLOSS
-      lobes->gloss[line][k] = rc_gloss(t, vertex->surface[k], line, angles);
-#endif
-#if RC_SHAPED
-      lobes->front[line][k] = rc_front(t, vertex->surface[k], line, 1.0f, angles);
-#endif
+    for (uint line = 0; line < RC_LOBE_LINES(t); ++line) {
+      if (RC_HAS(t, GLOSS)) lobes->gloss[line][k] = rc_gloss(t, vertex->surface[k], line, angles);
+      if (RC_HAS(t, SHAPED)) lobes->front[line][k] = rc_front(t, vertex->surface[k], line, 1.0f, angles);
     }
   }
 }
-#endif
 
 /* Factor of the geometry: all but weight, matter and air. v: from the end to the vertices, inverse: 1 over its length.
  * seen: lanes that the end can see at all; in_pixel: pixel of an array, where it has some. */
@@ -212,40 +193,52 @@ static inline float16 rc_end_geometry(const LidarTables* t, Vector16 v, float16 
                 off_axis = deep * inverse;
   *seen &= deep > 0.0f;
   *in_pixel = 0.0f;
-#if RC_RECEIVER
-  const float16 radius = fma(deep, (float16)(t->shot[RC_SHOT_END_U].w), (float16)(RC_GAUSSIAN ? 0.0f : axis.w));
   const Vector16 beside = rc_along16(v, -deep, rc_vector16(axis));
   const float16 aside = rc_dot16(beside, beside);
-#if RC_GAUSSIAN
-  const float16 spot = fmax(fma(radius, radius, (float16)(axis.w * axis.w)), 1e-30f);
-  const float16 fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
-#else
-  const float16 spot = fmax(radius * radius, 1e-30f);
-  const float16 fluence = select((float16)(0.0f), 0.318309886f / spot, aside <= spot);
-#endif
-  return fluence / fmax(off_axis, 1e-6f);
-#else
+  if (RC_HAS(t, RECEIVER)) {
+    const bool gaussian = RC_HAS(t, GAUSSIAN);
+    const float16 radius = fma(deep, (float16)(t->shot[RC_SHOT_END_U].w), (float16)(gaussian ? 0.0f : axis.w));
+    float16 fluence;
+    if (gaussian) {
+      const float16 spot = fmax(fma(radius, radius, (float16)(axis.w * axis.w)), 1e-30f);
+      fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
+    } else {
+      const float16 spot = fmax(radius * radius, 1e-30f);
+      fluence = select((float16)(0.0f), 0.318309886f / spot, aside <= spot);
+    }
+    return fluence / fmax(off_axis, 1e-6f);
+  }
   float16 geometry = off_axis * inverse * inverse;
-#if RC_COLUMNS * RC_ROWS > 1
-  *in_pixel = rc_pixel16(t, v, deep);
-  *seen &= *in_pixel >= 0.0f;
-#elif RC_OVERLAP
-  const Vector16 beside = rc_along16(v, -deep, rc_vector16(axis));
-  geometry *= rc_vignetting(t->settings, fmax(deep, 1e-20f), sqrt(rc_dot16(beside, beside)));
-#endif
+  if (RC_HAS(t, PIXELS)) {
+    *in_pixel = rc_pixel16(t, v, deep);
+    *seen &= *in_pixel >= 0.0f;
+  } else if (RC_HAS(t, OVERLAP)) {
+    geometry *= rc_vignetting(t->settings, fmax(deep, 1e-20f), sqrt(aside));
+  }
   return geometry;
-#endif
 }
 
 /* From the end to places relative to Q: where both ends are one place, and rays leave from it, the way out was it. */
 static inline Leg16 rc_leg_home(const LidarTables* t, Vector16 place, Leg16 out) {
-#if RC_EXITS
-  return rc_leg16(t->shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START], place);
-#elif RC_SHADOWS
-  return t->shot[RC_SHOT_AXIS].w == 1.0f ? out : rc_leg16(t->shot[RC_SHOT_FROM_END], place);
-#else
+  if (RC_HAS(t, EXITS)) return rc_leg16(t->shot[RC_HAS(t, SHADOWS) ? RC_SHOT_FROM_END : RC_SHOT_FROM_START], place);
+  if (RC_HAS(t, SHADOWS) && t->shot[RC_SHOT_AXIS].w != 1.0f) return rc_leg16(t->shot[RC_SHOT_FROM_END], place);
   return out;
-#endif
+}
+
+/* Deposits what lanes send into their pixels' rows of a line. */
+static inline void rc_deposit_in_pixels(const LidarTables* t, RC_ROW_SPACE float* rows, uint line,
+                                        float sums[RC_SUM_COUNT][2], uint lanes, float16 in_pixel, int16 bins,
+                                        float16 phases, float16 photons) {
+  RC_LINE float phase[16], pixels[16], energy[16];
+  RC_LINE int bin[16];
+  rc_store16(in_pixel, 0, pixels);
+  rc_store16(phases, 0, phase);
+  rc_store16(as_float16(bins), 0, (float*)bin);
+  rc_store16(photons, 0, energy);
+  for (; lanes; lanes &= lanes - 1u) {
+    const uint k = rc_lowest(lanes);
+    rc_deposit(t, rows + (size_t)((uint)pixels[k] * RC_LINES(t) + line) * t->row, sums, bin[k], phase[k], energy[k]);
+  }
 }
 
 /* Deposits what the live vertices send, `leg` from the end. rows: of the owner, [pixel][line]; kept: moments of its
@@ -263,21 +256,16 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   const uint lanes = rc_mask16(seen & (geometry > 0.0f));
   if (!lanes) return;
 
-#if RC_CONTINUES || RC_SHADOWS
-  RC_LINE float visible[RC_LASER_LINES][16];
-  if (shadow) sums->rays += rc_ways_open(scene, t, vertex, v, facing, lanes, visible);
-#endif
+  const bool traced = RC_POINTS_OFF(t) && shadow;
+  RC_LINE float visible[RC_MOST_LINES][16];
+  if (traced) sums->rays += rc_ways_open(scene, t, vertex, v, facing, lanes, visible);
 
-#if RC_MEDIA
-  float16 depth[RC_LINE_NODES];
-  rc_depths_home(t, paths, v, range, inverse, lanes, shadow, depth);
-#endif
+  float16 depth[RC_MOST_LINES];
+  if (RC_MEDIA(t)) rc_depths_home(t, paths, v, range, inverse, lanes, shadow, depth);
 
-#if RC_GLOSS || RC_SHAPED
   const Vector16 home = {-v.x * inverse, -v.y * inverse, -v.z * inverse};
   Lobes16 lobes;
-  rc_lobes16(t, vertex, paths->way, home, lanes, &lobes);
-#endif
+  if (RC_HAS(t, GLOSS) || RC_HAS(t, SHAPED)) rc_lobes16(t, vertex, paths->way, home, lanes, &lobes);
 
   const float16 position =
       fma(paths->path + leg.more, (float16)(settings[RC_SET_BINS_PER_M]), (float16)(shot[RC_SHOT_TIME].y));
@@ -285,60 +273,39 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   const int16 cut = convert_int16(place), whole = cut + (convert_float16(cut) > place); /* true is -1 */
   const float16 phases = place - convert_float16(whole);
   const int16 bins = whole + as_int(shot[RC_SHOT_TIME].x);
-#if RC_OWN_PIXELS > 1
-  RC_LINE float phase[16], pixel_lanes[16];
-  RC_LINE int bin[16];
-  rc_store16(in_pixel, 0, pixel_lanes);
-  rc_store16(phases, 0, phase);
-  rc_store16(as_float16(bins), 0, (float*)bin);
-#endif
-  const int16 near = (RC_RECEIVER ? paths->first_range : range) < settings[RC_SET_MINIMUM_RANGE];
+  const int16 near = (RC_HAS(t, RECEIVER) ? paths->first_range : range) < settings[RC_SET_MINIMUM_RANGE];
   const uint near_lanes = rc_mask16(near) & lanes;
 
-  for (uint line = 0; line < RC_LASER_LINES; ++line) {
-#if RC_SHAPED
-    float16 scatter = rc_matter16(t, vertex, line, 0) * rc_load16(0, lobes.front[RC_LOBE_LINE(line)]);
-#else
-    float16 scatter = rc_matter16(t, vertex, line, 0) * RC_INVERSE_PI;
-#endif
-#if RC_GLOSS
-    scatter += rc_load16(0, lobes.gloss[RC_LOBE_LINE(line)]);
-#endif
+  for (uint line = 0; line < RC_LINES(t); ++line) {
+    float16 scatter = rc_matter16(t, vertex, line, 0);
+    if (RC_HAS(t, SHAPED))
+      scatter *= rc_load16(0, lobes.front[rc_lobe_line(t, line)]);
+    else
+      scatter *= RC_INVERSE_PI;
+    if (RC_HAS(t, GLOSS)) scatter += rc_load16(0, lobes.gloss[rc_lobe_line(t, line)]);
     scatter *= fmax(facing, 0.0f);
-#if RC_LEAVES
-    scatter += rc_matter16(t, vertex, line, 1) * RC_INVERSE_PI * fmax(-facing, 0.0f);
-#endif
+    if (RC_HAS(t, LEAVES)) scatter += rc_matter16(t, vertex, line, 1) * RC_INVERSE_PI * fmax(-facing, 0.0f);
     float16 photons = scatter * geometry * paths->weight[line];
-#if RC_MEDIA
-    photons *= rc_line_transmission(t, line, depth);
-#endif
-#if RC_CONTINUES || RC_SHADOWS
-    if (shadow) photons *= rc_load16(0, visible[line]);
-#endif
+    if (RC_MEDIA(t)) photons *= rc_line_transmission(t, line, depth);
+    if (traced) photons *= rc_load16(0, visible[line]);
     photons = select((float16)(0.0f), photons, rc_bits16(lanes));
     const uint sent = rc_mask16(photons > 0.0f);
-    const bool folded = RC_FOLDED && kept;
+    const bool folded = RC_HAS(t, FOLDED) && kept;
     if (!folded) rc_add_float(sums->sum[line][RC_SUM_COLLECTED], rc_lane_sum(photons));
     if (near_lanes) {
       const float lost = rc_lane_sum(select((float16)(0.0f), photons, near));
       rc_add_float(sums->sum[line][RC_SUM_NEAR], lost);
       if (folded) rc_add_float(sums->sum[line][RC_SUM_COLLECTED], lost);
     }
-#if RC_OWN_PIXELS > 1
-    RC_LINE float energy[16];
-    rc_store16(photons, 0, energy);
-    for (uint left = sent & ~near_lanes; left; left &= left - 1u) {
-      const uint k = rc_lowest(left), pixel = (uint)pixel_lanes[k];
-      rc_deposit(t, rows + (size_t)(pixel * RC_LASER_LINES + line) * t->row, sums->sum[line], bin[k], phase[k],
-                 energy[k]);
+    if (RC_OWN_PIXELS(t) > 1u) {
+      rc_deposit_in_pixels(t, rows, line, sums->sum[line], sent & ~near_lanes, in_pixel, bins, phases, photons);
+      continue;
     }
-#else
     RC_ROW_SPACE float* row = rows + (size_t)line * t->row;
     if (folded)
       rc_keep_lanes(t, kept + line, row, sums->sum[line], sent & ~near_lanes, bins, phases, photons);
     else
       rc_deposit_lanes(t, row, sums->sum[line], sent & ~near_lanes, bins, phases, photons);
-#endif
   }
 }
 

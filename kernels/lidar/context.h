@@ -1,24 +1,11 @@
-/* Build options, tables and sums of a LIDAR owner; layout.h tells where numbers lie.
+/* Build options, tables and sums of a LIDAR owner; layout.h tells where numbers lie. Counts and what a launch has are
+ * arguments (layout.h), so that launches share programs. Options are:
  *
- *   RC_RECEIVER      0: rays from the exit (sub-rays), 1: rays from the pupil (samples of a pixel)
- *   RC_LASER_LINES   lines;  RC_LINE_NODES: spectral nodes of all of them
- *   RC_COLUMNS, RC_ROWS   pixels of the array (transmitter: 1 x 1 has the circular stop)
- *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other
- *                    program)
- *   RC_RAY_COUNT     rays of an owner;  RC_CHUNK_SAMPLES: of one bundle (trace_args.h)
- *   RC_BOUNCES       scatterings a path may have
- *   RC_AIR           1: there is air;  RC_AIR_RETURN 1: it sends light back;  RC_VOLUMES: number of gas and particle
- *                    volumes
- *   RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
- *   RC_EXITS         1: every sub-ray leaves from a place of its own
- *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
- *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing
- *   RC_SHAPED        1: some material does not reflect by Lambert's law
- *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
+ *   RC_FEATURES      what the program can do, of RC_FEATURE_* (layout.h)
+ *   RC_MOST_LINES    lines, and spectral nodes of all of them, that private arrays have room for; 1: one of each
+ *   RC_CHUNK_SAMPLES slots of a bundle of rays (trace_args.h)
  *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
- *                    added up where they lie
- *   RC_FOLDED        1: hits are kept as moments of their bins and spread by the pulse once an owner (moments.h)
- *   RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are written */
+ *                    added up where they lie */
 #ifndef RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 #define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 
@@ -27,9 +14,6 @@
 #ifndef RC_CHUNK_SAMPLES
 #define RC_CHUNK_SAMPLES 256 /* sub-rays of a bundle */
 #endif
-#ifndef RC_SUPPORT
-#define RC_SUPPORT 4.0f /* width of the square that they cover */
-#endif
 #define RC_SAMPLE_SPACE global /* all owners share theirs */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
@@ -37,70 +21,11 @@
 #include "kernels/lidar/layout.h"
 #include "kernels/shared/structs.h"
 
-#ifndef RC_RECEIVER
-#define RC_RECEIVER 0
+#ifndef RC_FEATURES
+#define RC_FEATURES (RC_FEATURE_OVERLAP | RC_FEATURE_GAUSSIAN)
 #endif
-#ifndef RC_SINGLE
-#define RC_SINGLE 0
-#endif
-#ifndef RC_EXITS
-#define RC_EXITS 0
-#endif
-#ifndef RC_SHADOWS
-#define RC_SHADOWS 0
-#endif
-#ifndef RC_PLATES
-#define RC_PLATES 0
-#endif
-#ifndef RC_LEAVES
-#define RC_LEAVES 0
-#endif
-#ifndef RC_GLOSS
-#define RC_GLOSS 0
-#endif
-#ifndef RC_SHAPED
-#define RC_SHAPED 0
-#endif
-#ifndef RC_OVERLAP
-#define RC_OVERLAP 1
-#endif
-#ifndef RC_GAUSSIAN
-#define RC_GAUSSIAN 1
-#endif
-#ifndef RC_STOPPED
-#define RC_STOPPED 0
-#endif
-#ifndef RC_FOLDED
-#define RC_FOLDED 0
-#endif
-#ifndef RC_HITS
-#define RC_HITS 0
-#endif
-#ifndef RC_LASER_LINES
-#define RC_LASER_LINES 1
-#define RC_LINE_NODES 1
-#endif
-#ifndef RC_COLUMNS
-#define RC_COLUMNS 1
-#define RC_ROWS 1
-#endif
-#ifndef RC_TAPS_PADDED
-#define RC_TAPS_PADDED 16
-#endif
-#ifndef RC_RAY_COUNT
-#define RC_RAY_COUNT 256
-#endif
-#ifndef RC_BOUNCES
-#define RC_BOUNCES 1
-#endif
-#ifndef RC_AIR
-#define RC_AIR 0
-#endif
-#ifndef RC_VOLUMES
-#define RC_VOLUMES 0
-#endif
-#ifndef RC_AIR_RETURN
-#define RC_AIR_RETURN RC_AIR
+#ifndef RC_MOST_LINES
+#define RC_MOST_LINES 1
 #endif
 #ifndef RC_ROW_WINDOW
 #define RC_ROW_WINDOW 0
@@ -111,29 +36,34 @@
 #else
 #define RC_ROW_SPACE global
 #endif
-#define RC_MEDIA (RC_AIR || RC_VOLUMES)
 
+#ifdef __clang__
+/* Clang takes an operand of && that is a constant for a slip. */
+#pragma clang diagnostic ignored "-Wconstant-logical-operand"
+#endif
+/* Whether the program can have a feature, and whether the launch has it. What it cannot have is left out of it: the
+ * first operand is a constant. */
+#define RC_CAN(feature) ((RC_FEATURES & RC_FEATURE_##feature) != 0u)
+#define RC_HAS(t, feature) (RC_CAN(feature) && ((t)->features & RC_FEATURE_##feature))
+#define RC_LINES(t) (RC_MOST_LINES == 1 ? 1u : (t)->lines)
+#define RC_LOBE_LINES(t) (RC_MOST_LINES == 1 ? 1u : (t)->lobe_lines)
+#define RC_LINE_NODES(t) (RC_MOST_LINES == 1 ? 1u : (t)->line_nodes)
 /* Pixels whose rows an owner writes. */
-#define RC_OWN_PIXELS (RC_RECEIVER ? 1 : RC_COLUMNS * RC_ROWS)
-/* A row is padding, bins, padding: pulses that hang over the gate's ends need no branch, and what they lose is counted
- * after. */
-#define RC_ROW_PAD RC_TAPS_PADDED
-static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + RC_PADDED(bins); }
-/* Rays of an owner rounded up to whole words. */
-#define RC_PADDED_RAYS RC_PADDED(RC_RAY_COUNT)
+#define RC_OWN_PIXELS(t) (RC_CAN(PIXELS) ? (t)->own_pixels : 1u)
+#define RC_MEDIA(t) (RC_HAS(t, AIR) || RC_HAS(t, VOLUMES))
 /* Rays start again after the first surface. */
-#define RC_CONTINUES (RC_BOUNCES > 1 || RC_PLATES)
-/* Energy of a ray in the ledger; the first RC_LEDGER_REST rays have one unit more. */
-#define RC_LEDGER_UNIT ((1l << RC_LEDGER_BITS) / RC_RAY_COUNT)
-#define RC_LEDGER_REST ((1l << RC_LEDGER_BITS) - RC_LEDGER_UNIT * RC_RAY_COUNT)
-#define RC_LANE_ENERGY (RC_CONTINUES || RC_MEDIA)
+#define RC_CONTINUES(t) (RC_HAS(t, BOUNCES) || RC_HAS(t, PLATES))
+/* Vertices have points off their surface, from which rays start. */
+#define RC_POINTS_OFF(t) (RC_CONTINUES(t) || RC_HAS(t, SHADOWS))
+/* Lanes have energies of their own in the ledger. */
+#define RC_LANE_ENERGY(t) (RC_CONTINUES(t) || RC_MEDIA(t))
 
 typedef struct LidarTables {
   global const float4* shot;       /* the owner's record */
   global const float* samples;     /* [chunk] as struct Scatter */
   global const float* exits;       /* [2][rays, padded]: exit_a, exit_b */
   global const float4* optics;     /* [surface][line]: reflectance, diffuse transmittance, straight one, gloss */
-  global const Lobe* lobes;        /* [surface][line, where those differ][RC_LOBE_STRIDE]; then tables */
+  global const Lobe* lobes;        /* [surface][line, where those differ][lobe_stride]; then tables */
   global const float* photons;     /* [line] */
   global const float* node_weight; /* [node] */
   global const uint* first_node;   /* [line + 1] */
@@ -141,26 +71,36 @@ typedef struct LidarTables {
   global const LidarVolume* volumes;
   global const float* volume_values; /* of grids */
   global const float* volume_depth;  /* [volume][node]: depth of 1 ppm m of its gas */
-  global const float* taps;          /* [phase + 1][RC_TAPS_PADDED], then [cell][RC_MOMENTS][RC_TAPS_PADDED] */
+  global const float* taps;          /* [phase + 1][tap, padded], then [cell][RC_MOMENTS][tap, padded] */
   global const float* settings;
+  /* RC_PLAN_* */
+  uint features, lines, line_nodes, columns, rows, rays, slots, bounces, volume_count, lobe_lines, lobe_stride;
+  int padded_taps;
+  uint own_pixels;
   uint seed, row;                         /* row: floats of a padded row */
   int bins, tap_count, first_tap, phases; /* gate and pulse, host/lidar/lidar_plan.h */
   int cells;                              /* host/lidar/pulse_moments.h */
+  long ledger_unit, ledger_rest;          /* energy of a ray; the first rays, so many, have one unit more */
 } LidarTables;
 
+/* A row is padding, bins, padding, each padding as long as the padded taps: pulses that hang over the gate's ends need
+ * no branch, and what they lose is counted after. */
+static inline uint rc_row_floats(uint bins, uint padded_taps) { return 2u * padded_taps + RC_PADDED(bins); }
+static inline uint rc_padded_rays(const LidarTables* t) { return RC_PADDED(t->rays); }
+
 /* Rays stopped, of an owner: rows [pixel][line], then how many rays each pixel has. */
-static inline size_t rc_stopped_floats(uint row) {
-  return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + RC_PADDED(RC_OWN_PIXELS);
+static inline size_t rc_stopped_floats(const LidarTables* t) {
+  return (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row + RC_PADDED(RC_OWN_PIXELS(t));
 }
 /* Whether they are kept for every pixel: where a ray stays in one, as pupil and exit are one point. */
 static inline bool rc_stops_by_pixel(const LidarTables* t) {
-  return (RC_OWN_PIXELS > 1) & (RC_EXITS == 0) & (t->shot[RC_SHOT_AXIS].w == 1.0f);
+  return RC_OWN_PIXELS(t) > 1u && !RC_HAS(t, EXITS) && t->shot[RC_SHOT_AXIS].w == 1.0f;
 }
 
 /* What one owner adds up beside its rows. */
 typedef struct LidarSums {
-  float sum[RC_LASER_LINES][RC_SUM_COUNT][2];
-  long ledger[RC_LASER_LINES][RC_LEDGER_COUNT];
+  float sum[RC_MOST_LINES][RC_SUM_COUNT][2];
+  long ledger[RC_MOST_LINES][RC_LEDGER_COUNT];
   uint rays;
 } LidarSums;
 

@@ -16,11 +16,10 @@ static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, flo
     const float x = phase * (float)t->phases;
     const int q = min((int)x, t->phases - 1);
     const float f = x - (float)q;
-    global const float* low = t->taps + q * RC_TAPS_PADDED;
-    RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
-#pragma unroll
-    for (int i = 0; i < RC_TAPS_PADDED; i += 16) {
-      const float16 a = rc_load16(0, low + i), b = rc_load16(0, low + RC_TAPS_PADDED + i);
+    global const float* low = t->taps + q * t->padded_taps;
+    RC_ROW_SPACE float* to = row + (t->padded_taps + start);
+    for (int i = 0; i < t->padded_taps; i += 16) {
+      const float16 a = rc_load16(0, low + i), b = rc_load16(0, low + t->padded_taps + i);
       rc_store16(fma((float16)(energy), fma((float16)(f), b - a, a), rc_load16(0, to + i)), 0, to + i);
     }
   }
@@ -53,40 +52,33 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
   rc_store16(high_lanes, 0, high);
   rc_store16(energy - high_lanes, 0, low);
   rc_store16(as_float16(start_lanes), 0, (float*)starts);
-  rc_store16(as_float16(q * RC_TAPS_PADDED), 0, (float*)shares);
+  rc_store16(as_float16(q * t->padded_taps), 0, (float*)shares);
   while (lanes) {
     const int start = starts[rc_lowest(lanes)];
-    /* Two sums, of lower and upper phases: half as long a chain of additions. */
-    float16 kept[RC_TAPS_PADDED / 16], kept_high[RC_TAPS_PADDED / 16];
-    RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
-#pragma unroll
-    for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
-      kept[i] = rc_load16(i, to);
-      kept_high[i] = 0.0f;
-    }
-    uint here = rc_mask16(start_lanes == start) & lanes;
+    RC_ROW_SPACE float* to = row + (t->padded_taps + start);
+    const uint here = rc_mask16(start_lanes == start) & lanes;
     lanes &= ~here;
-    for (; here; here &= here - 1u) {
-      const uint k = rc_lowest(here);
-      global const float* at = t->taps + shares[k];
-#pragma unroll
-      for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
-        kept[i] = fma((float16)(low[k]), rc_load16(i, at), kept[i]);
-        kept_high[i] = fma((float16)(high[k]), rc_load16(i, at + RC_TAPS_PADDED), kept_high[i]);
+    for (int i = 0; i < t->padded_taps; i += 16) {
+      /* Two sums, of lower and upper phases: half as long a chain of additions. */
+      float16 kept = rc_load16(0, to + i), kept_high = 0.0f;
+      for (uint left = here; left; left &= left - 1u) {
+        const uint k = rc_lowest(left);
+        global const float* at = t->taps + shares[k] + i;
+        kept = fma((float16)(low[k]), rc_load16(0, at), kept);
+        kept_high = fma((float16)(high[k]), rc_load16(0, at + t->padded_taps), kept_high);
       }
+      rc_store16(kept + kept_high, 0, to + i);
     }
-#pragma unroll
-    for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) rc_store16(kept[i] + kept_high[i], i, to);
   }
 }
 
 /* What hangs over the gate's ends, added to the sums. */
 static inline void rc_close_row(const LidarTables* t, RC_ROW_SPACE const float* row, float sums[RC_SUM_COUNT][2]) {
   float16 early = 0.0f, late = 0.0f;
-  for (int i = 0; i < RC_ROW_PAD; i += 16) early += rc_load16(0, row + i);
+  for (int i = 0; i < t->padded_taps; i += 16) early += rc_load16(0, row + i);
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  for (int i = t->bins / 16 * 16; i + RC_ROW_PAD < (int)t->row; i += 16)
-    late += select((float16)(0.0f), rc_load16(0, row + RC_ROW_PAD + i), lane + i >= t->bins);
+  for (int i = t->bins / 16 * 16; i + t->padded_taps < (int)t->row; i += 16)
+    late += select((float16)(0.0f), rc_load16(0, row + t->padded_taps + i), lane + i >= t->bins);
   rc_add_float(sums[RC_SUM_EARLY], rc_lane_sum(early));
   rc_add_float(sums[RC_SUM_LATE], rc_lane_sum(late));
 }

@@ -2,11 +2,9 @@
 #ifndef RAYCUBE_KERNELS_LIDAR_FIRST_HITS_H
 #define RAYCUBE_KERNELS_LIDAR_FIRST_HITS_H
 
+#include "kernels/geometry/bundle_primary.h"
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/lidar/vertex.h"
-#if !RC_SINGLE
-#include "kernels/geometry/bundle_primary.h"
-#endif
 
 /* 16 rays: their sub-rays or samples (INFINITY: none), and what they meet first. */
 typedef struct HitWord {
@@ -14,7 +12,6 @@ typedef struct HitWord {
   uint16 instances, primitives;
 } HitWord;
 
-#if RC_SINGLE
 /* Rays `ray` to ray + 15. */
 static inline HitWord rc_trace_word(SceneArrays scene, const LidarTables* t, uint ray) {
   const float4 reference = t->shot[RC_SHOT_REFERENCE], axis = t->shot[RC_SHOT_AXIS], du = t->shot[RC_SHOT_DU],
@@ -33,10 +30,9 @@ static inline HitWord rc_trace_word(SceneArrays scene, const LidarTables* t, uin
     if (!(lane_a[k] < INFINITY)) continue;
     const float4 tilt = fma((float4)(lane_a[k]), du, lane_b[k] * dv);
     float4 offset = residual;
-#if RC_EXITS
-    offset += fma((float4)(t->exits[ray + k]), t->shot[RC_SHOT_EXIT_U],
-                  t->exits[RC_PADDED_RAYS + ray + k] * t->shot[RC_SHOT_EXIT_V]);
-#endif
+    if (RC_HAS(t, EXITS))
+      offset += fma((float4)(t->exits[ray + k]), t->shot[RC_SHOT_EXIT_U],
+                    t->exits[rc_padded_rays(t) + ray + k] * t->shot[RC_SHOT_EXIT_V]);
     const float4 direction = axis + tilt,
                  origin = reference + fma((float4)(-back), direction, fma((float4)(s), tilt, offset));
     const Hit hit = rc_trace_ray(scene, (float4)(origin.xyz, 0.0f), (float4)(direction.xyz, 0.0f));
@@ -47,7 +43,7 @@ static inline HitWord rc_trace_word(SceneArrays scene, const LidarTables* t, uin
   word.primitives = rc_load16(0, hits.primitive);
   return word;
 }
-#else
+
 /* All rays of one bundle. */
 static inline void rc_trace_bundle(SceneArrays scene, const LidarTables* t, global const Scatter* scatter,
                                    Closest* closest) {
@@ -59,7 +55,7 @@ static inline void rc_trace_bundle(SceneArrays scene, const LidarTables* t, glob
   frame.rays.dv = t->shot[RC_SHOT_DV];
   frame.rays.origin.w = frame.rays.d0.w = frame.rays.du.w = frame.rays.dv.w = 0.0f;
   frame.rays.ov = (float4)(0.0f);
-  frame.half_a = frame.half_b = 0.5f * RC_SUPPORT;
+  frame.half_a = frame.half_b = 0.5f * t->settings[RC_SET_SUPPORT];
   frame.samples = scatter;
   frame.words = RC_SAMPLE_WORDS;
   if (rc_primary_group(scene, &frame, RC_PRIMARY_BUDGET(RC_SLOTS), closest)) return;
@@ -86,15 +82,15 @@ static inline HitWord rc_word_of_bundle(global const Scatter* scatter, const Clo
   word.primitives = select(rc_load16(0, closest->primitive + slot), (uint16)(0u), none);
   return word;
 }
-#endif
 
 /* Files the hits of rays `ray` to ray + 15 of an owner: [owner][ray]: instance, primitive. */
-static inline void rc_write_hits(const HitWord* word, uint owner, uint ray, global uint* first_hits) {
+static inline void rc_write_hits(const LidarTables* t, const HitWord* word, uint owner, uint ray,
+                                 global uint* first_hits) {
   RC_LINE uint instance_of[16], primitive_of[16];
   rc_store16(word->instances, 0, instance_of);
   rc_store16(word->primitives, 0, primitive_of);
   for (uint k = 0; k < 16u; ++k) {
-    global uint* to = first_hits + 2u * ((size_t)owner * RC_PADDED_RAYS + ray + k);
+    global uint* to = first_hits + 2u * ((size_t)owner * rc_padded_rays(t) + ray + k);
     to[0] = instance_of[k];
     to[1] = instance_of[k] == RC_NONE ? RC_NONE : primitive_of[k];
   }

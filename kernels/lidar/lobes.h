@@ -5,20 +5,18 @@
 #include "kernels/lidar/context.h"
 #include "kernels/materials/shapes.h"
 
-#ifndef RC_LOBE_LINES
-#define RC_LOBE_LINES 1 /* lines whose lobes have shares of their own */
-#endif
-#define RC_LOBE_LINE(line) (RC_LOBE_LINES > 1 ? (line) : 0u)
+/* Where a line's lobes lie, and what was found of them: all lines may share those of the first. */
+static inline uint rc_lobe_line(const LidarTables* t, uint line) { return RC_LOBE_LINES(t) > 1u ? line : 0u; }
 
 static inline global const Lobe* rc_first_lobe(const LidarTables* t, uint surface, uint line) {
-  return t->lobes + (surface * RC_LOBE_LINES + RC_LOBE_LINE(line)) * RC_LOBE_STRIDE;
+  return t->lobes + (surface * RC_LOBE_LINES(t) + rc_lobe_line(t, line)) * t->lobe_stride;
 }
 
 /* Sum of a surface's further lobes of one role, 1/sr, `scale` times. */
 static inline float rc_further(const LidarTables* t, global const Lobe* first, uint role, float scale,
                                RcAngles angles) {
   float sum = 0.0f;
-  for (uint i = RC_LOBES; i < RC_LOBE_STRIDE; ++i) {
+  for (uint i = RC_LOBES; i < t->lobe_stride; ++i) {
     const Lobe lobe = first[i];
     if (lobe.share == 0.0f || rc_shape_role(lobe.shape) != role) continue;
     sum += rc_shape_eval(lobe.shape, scale * lobe.share, rc_parameters(t->lobes, lobe), angles);
@@ -50,7 +48,7 @@ static inline float rc_gloss(const LidarTables* t, uint surface, uint line, RcAn
 static inline float rc_gloss_alpha(const LidarTables* t, uint surface) {
   global const Lobe* first = rc_first_lobe(t, surface, 0u);
   float alpha = 0.0f;
-  for (uint i = 0; i < RC_LOBE_STRIDE; ++i) {
+  for (uint i = 0; i < t->lobe_stride; ++i) {
     const Lobe lobe = first[i];
     alpha = fmax(alpha, rc_shape_roughness(lobe.shape, rc_parameters(t->lobes, lobe)));
   }

@@ -8,6 +8,8 @@
 
 #define RC_MOMENT_SLOTS 16u
 #define RC_MOMENT_WORDS 16u
+/* Lines of an owner whose hits are folded, at most. */
+#define RC_MOST_FOLDED (RC_MOST_LINES < RC_FOLDED_LINES ? RC_MOST_LINES : RC_FOLDED_LINES)
 
 typedef struct Moments {
   float sum[RC_MOMENT_SLOTS][16 * RC_MOMENTS];
@@ -35,14 +37,14 @@ static inline void rc_fold(const LidarTables* t, Moments* kept, uint slot, RC_RO
 #pragma unroll
   for (uint k = 0; k < RC_MOMENTS; ++k) moment[k] = rc_lane_sum(rc_load16(k, kept->sum[slot]));
   global const float* at =
-      t->taps + (size_t)(uint)(t->phases + 1 + (int)(cell - start * cells) * RC_MOMENTS) * RC_TAPS_PADDED;
+      t->taps + (size_t)(uint)(t->phases + 1 + (int)(cell - start * cells) * RC_MOMENTS) * (uint)t->padded_taps;
   RC_ROW_SPACE float* to = row + start;
+  for (int i = 0; i < t->padded_taps; i += 16) {
+    float16 sum = rc_load16(0, to + i);
 #pragma unroll
-  for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
-    float16 sum = rc_load16(i, to);
-#pragma unroll
-    for (uint k = 0; k < RC_MOMENTS; ++k) sum = fma((float16)(moment[k]), rc_load16(i, at + k * RC_TAPS_PADDED), sum);
-    rc_store16(sum, i, to);
+    for (uint k = 0; k < RC_MOMENTS; ++k)
+      sum = fma((float16)(moment[k]), rc_load16(0, at + k * (uint)t->padded_taps + i), sum);
+    rc_store16(sum, 0, to + i);
   }
   rc_add_float(sums[RC_SUM_COLLECTED], moment[0]);
   kept->cell[slot] = RC_NONE;
@@ -98,7 +100,7 @@ static inline void rc_keep_lanes(const LidarTables* t, Moments* kept, RC_ROW_SPA
   const float16 place = phase * (float)t->cells;
   const int16 part = min(convert_int16(place), (int16)(t->cells - 1));
   const uint word = kept->waiting;
-  rc_store16(select((uint16)(RC_NONE), as_uint16((start + RC_ROW_PAD) * t->cells + part), inside), 0,
+  rc_store16(select((uint16)(RC_NONE), as_uint16((start + t->padded_taps) * t->cells + part), inside), 0,
              kept->waiting_cell[word]);
   rc_store16(select((float16)(0.0f), place - convert_float16(part) - 0.5f, inside), 0, kept->waiting_y[word]);
   rc_store16(energy, 0, kept->waiting_energy[word]);

@@ -16,37 +16,36 @@
 
 /* Where an owner's rows are added up: [pixel][line][row]. */
 typedef struct OwnerRows {
-  RC_ROW_SPACE float *first, *multiple; /* scattered once, and more often (RC_BOUNCES > 1) */
-  global float* stopped;                /* RC_STOPPED */
+  RC_ROW_SPACE float *first, *multiple; /* scattered once, and more often (RC_FEATURE_BOUNCES) */
+  global float* stopped;                /* RC_FEATURE_STOPPED */
 } OwnerRows;
 
-static inline void rc_clear_sums(LidarSums* total) {
+static inline void rc_clear_sums(const LidarTables* t, LidarSums* total) {
   total->rays = 0;
-  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+  for (uint line = 0; line < RC_LINES(t); ++line) {
     for (uint i = 0; i < RC_SUM_COUNT; ++i) total->sum[line][i][0] = total->sum[line][i][1] = 0.0f;
     for (uint i = 0; i < RC_LEDGER_COUNT; ++i) total->ledger[line][i] = 0;
   }
 }
 
 static inline void rc_clear_rows(const LidarTables* t, const OwnerRows* own) {
-  const size_t rows = (size_t)RC_OWN_PIXELS * RC_LASER_LINES;
+  const size_t rows = (size_t)RC_OWN_PIXELS(t) * RC_LINES(t);
   for (size_t i = 0; i < rows * t->row; i += 16) {
     rc_store16((float16)(0.0f), 0, own->first + i);
-    if (RC_BOUNCES > 1) rc_store16((float16)(0.0f), 0, own->multiple + i);
+    if (RC_HAS(t, BOUNCES)) rc_store16((float16)(0.0f), 0, own->multiple + i);
   }
-  if (RC_STOPPED)
-    for (size_t i = 0; i < (rc_stops_by_pixel(t) ? rc_stopped_floats(t->row) : (size_t)RC_LASER_LINES * t->row);
-         i += 16)
+  if (RC_HAS(t, STOPPED))
+    for (size_t i = 0; i < (rc_stops_by_pixel(t) ? rc_stopped_floats(t) : (size_t)RC_LINES(t) * t->row); i += 16)
       rc_store16((float16)(0.0f), 0, own->stopped + i);
 }
 
 /* What hangs over the gate's ends of all rows, into their lines' sums. */
 static inline void rc_close_rows(const LidarTables* t, const OwnerRows* own, LidarSums* total) {
-  for (uint line = 0; line < RC_LASER_LINES; ++line)
-    for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) {
-      const size_t row = (size_t)(pixel * RC_LASER_LINES + line) * t->row;
+  for (uint line = 0; line < RC_LINES(t); ++line)
+    for (uint pixel = 0; pixel < RC_OWN_PIXELS(t); ++pixel) {
+      const size_t row = (size_t)(pixel * RC_LINES(t) + line) * t->row;
       rc_close_row(t, own->first + row, total->sum[line]);
-      if (RC_BOUNCES > 1) rc_close_row(t, own->multiple + row, total->sum[line]);
+      if (RC_HAS(t, BOUNCES)) rc_close_row(t, own->multiple + row, total->sum[line]);
     }
 }
 
@@ -54,7 +53,7 @@ static inline void rc_close_rows(const LidarTables* t, const OwnerRows* own, Lid
 /* Rows to come lie in no cache: whole lines go there once, past the caches, and nothing waits for what was there. */
 static inline void rc_store_window(const LidarTables* t, private const float* window, global float* first) {
   global float16* to = (global float16*)first;
-  for (size_t i = 0; i < (size_t)RC_OWN_PIXELS * RC_LASER_LINES * t->row; i += 16)
+  for (size_t i = 0; i < (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row; i += 16)
     RC_STORE_ONCE(rc_load16(0, window + i), to + i / 16);
 }
 #endif

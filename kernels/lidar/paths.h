@@ -4,13 +4,10 @@
 
 #include "kernels/lidar/scatter.h"
 
-#if RC_STOPPED
-#if RC_OWN_PIXELS > 1
 static inline float16 rc_pixel_of_way(const LidarTables* t, Vector16 way) {
   const float4 axis = t->shot[RC_SHOT_END_AXIS];
   return rc_pixel16(t, way, fma((float16)(axis.x), way.x, fma((float16)(axis.y), way.y, axis.z * way.z)));
 }
-#endif
 
 /* Rays that a surface ends, at its place in time: half-way numbers split them over two bins, so that running sums of
  * the row are what is stopped on average during each bin. What a plate lets through meets it again on the way back.
@@ -21,33 +18,27 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
                                (float16)(t->settings[RC_SET_BINS_PER_M]), (float16)(t->shot[RC_SHOT_TIME].y));
   RC_LINE float lane[16];
   rc_store16(clamp(position, -1e9f, 1e9f), 0, lane);
-#if RC_OWN_PIXELS > 1
   RC_LINE float pixels[16];
   rc_store16(rc_stops_by_pixel(t) ? rc_pixel_of_way(t, paths->way) : (float16)(0.0f), 0, pixels);
-#endif
   const int base = as_int(t->shot[RC_SHOT_TIME].x);
-  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+  for (uint line = 0; line < RC_LINES(t); ++line) {
     RC_LINE float kept[16];
     rc_store16(paths->open[line], 0, kept);
-    global float* row = stopped + line * t->row;
     for (uint left = paths->live; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
-      const float plate = t->optics[vertex->surface[k] * RC_LASER_LINES + line].z;
+      const float plate = t->optics[vertex->surface[k] * RC_LINES(t) + line].z;
       const float ends = kept[k] * kept[k] * (1.0f - plate * plate);
       kept[k] *= plate;
-#if RC_OWN_PIXELS > 1
       if (pixels[k] < 0.0f) continue;
-      row = stopped + ((uint)pixels[k] * RC_LASER_LINES + line) * t->row;
-#endif
+      global float* row = stopped + ((uint)pixels[k] * RC_LINES(t) + line) * t->row;
       const float whole = floor(lane[k]), part = lane[k] - whole;
-      const int bin = clamp(base + (int)whole, -RC_ROW_PAD, t->bins + RC_ROW_PAD), slot = bin + RC_ROW_PAD;
+      const int bin = clamp(base + (int)whole, -t->padded_taps, t->bins + t->padded_taps), slot = bin + t->padded_taps;
       if (slot < (int)t->row) row[slot] += ends * (1.0f - part);
       if (slot + 1 < (int)t->row) row[slot + 1] += ends * part;
     }
     paths->open[line] = rc_load16(0, kept);
   }
 }
-#endif
 
 /* 16 rays from Q, the place near the scene that points are kept relative to (layout.h). a, b: sub-rays or samples;
  * leaves: where each leaves from, beside the middle of the exit. */
@@ -61,14 +52,13 @@ static inline void rc_begin_rays(const LidarTables* t, float16 a, float16 b, uin
   rays->direction = rc_plus16(rc_vector16(shot[RC_SHOT_AXIS]), tilt);
   rays->offset = rc_along16(rc_vector16(shot[RC_SHOT_RESIDUAL]), (float16)(shot[RC_SHOT_START].w), tilt);
   leaves->x = leaves->y = leaves->z = 0.0f;
-#if RC_EXITS
+  if (!RC_HAS(t, EXITS)) return;
   const float4 eu = shot[RC_SHOT_EXIT_U], ev = shot[RC_SHOT_EXIT_V];
-  const float16 ea = rc_load16(0, t->exits + first_ray), eb = rc_load16(0, t->exits + RC_PADDED_RAYS + first_ray);
+  const float16 ea = rc_load16(0, t->exits + first_ray), eb = rc_load16(0, t->exits + rc_padded_rays(t) + first_ray);
   leaves->x = fma(ea, (float16)(eu.x), eb * ev.x);
   leaves->y = fma(ea, (float16)(eu.y), eb * ev.y);
   leaves->z = fma(ea, (float16)(eu.z), eb * ev.z);
   rays->offset = rc_plus16(rays->offset, *leaves);
-#endif
 }
 
 /* Photons, way and energy that the rays of a word begin with. */
@@ -76,85 +66,65 @@ static inline void rc_begin_paths(const LidarTables* t, const PulseRays16* rays,
                                   Paths16* paths) {
   global const float4* shot = t->shot;
   paths->way = rays->direction;
-#if RC_RECEIVER || RC_GLOSS || RC_SHAPED || RC_MEDIA || RC_CONTINUES
-  const float16 over_length = 1.0f / sqrt(rc_dot16(rays->direction, rays->direction));
-  paths->way.x *= over_length;
-  paths->way.y *= over_length;
-  paths->way.z *= over_length;
-#endif
+  if (RC_HAS(t, RECEIVER) || RC_HAS(t, GLOSS) || RC_HAS(t, SHAPED) || RC_MEDIA(t) || RC_CONTINUES(t)) {
+    const float16 over_length = 1.0f / sqrt(rc_dot16(rays->direction, rays->direction));
+    paths->way.x *= over_length;
+    paths->way.y *= over_length;
+    paths->way.z *= over_length;
+  }
   float16 weight = shot[RC_SHOT_DU].w;
-#if RC_RECEIVER
-  /* A_r cos(psi) dOmega, dOmega = pitch^2 cos^3(psi): pixels on a plane of tangents. */
-  const float4 start_axis = shot[RC_SHOT_START_AXIS];
-  const float16 off = fma((float16)(start_axis.x), paths->way.x,
-                          fma((float16)(start_axis.y), paths->way.y, start_axis.z * paths->way.z));
-  weight *= (off * off) * (off * off);
-#endif
+  if (RC_HAS(t, RECEIVER)) {
+    /* A_r cos(psi) dOmega, dOmega = pitch^2 cos^3(psi): pixels on a plane of tangents. */
+    const float4 start_axis = shot[RC_SHOT_START_AXIS];
+    const float16 off = fma((float16)(start_axis.x), paths->way.x,
+                            fma((float16)(start_axis.y), paths->way.y, start_axis.z * paths->way.z));
+    weight *= (off * off) * (off * off);
+  }
   paths->live = rc_mask16(exists);
-  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+  for (uint line = 0; line < RC_LINES(t); ++line) {
     paths->weight[line] = weight * t->photons[line];
     paths->passed[line] = 1.0f;
-#if RC_STOPPED
     paths->open[line] = 1.0f;
-#endif
-#if RC_LANE_ENERGY
+    if (!RC_LANE_ENERGY(t)) continue;
     const long16 lane = (long16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     paths->energy[line] =
-        select((long16)(RC_LEDGER_UNIT), (long16)(RC_LEDGER_UNIT + 1), lane < RC_LEDGER_REST - (long)first_ray);
-#endif
+        select((long16)(t->ledger_unit), (long16)(t->ledger_unit + 1), lane < t->ledger_rest - (long)first_ray);
   }
-#if !RC_LANE_ENERGY
   paths->first_ray = first_ray;
-#endif
-#if RC_BOUNCES > 1
-  for (uint k = 0; k < 16u; ++k) paths->order[k] = 1;
-#endif
+  if (RC_HAS(t, BOUNCES))
+    for (uint k = 0; k < 16u; ++k) paths->order[k] = 1;
   paths->path = 0.0f;
-  for (uint node = 0; node < RC_LINE_NODES; ++node) paths->depth[node] = 0.0f;
+  for (uint node = 0; node < RC_LINE_NODES(t); ++node) paths->depth[node] = 0.0f;
 }
 
-#if RC_STOPPED && RC_OWN_PIXELS > 1
 /* Rays that each pixel has, where they are kept for every pixel. */
 static inline void rc_count_rays(const LidarTables* t, const Paths16* paths, global float* stopped) {
   if (!rc_stops_by_pixel(t)) return;
   RC_LINE float pixels[16];
   rc_store16(rc_pixel_of_way(t, paths->way), 0, pixels);
-  global float* rays_of = stopped + (size_t)RC_OWN_PIXELS * RC_LASER_LINES * t->row;
+  global float* rays_of = stopped + (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row;
   for (uint left = paths->live; left; left &= left - 1u) {
     const uint k = rc_lowest(left);
     if (pixels[k] >= 0.0f) rays_of[(uint)pixels[k]] += 1.0f;
   }
 }
-#endif
 
 /* Energy at a vertex: what plates let through stays with the paths, the rest is absorbed or ends here; light that is
- * scattered on has taken its own (RC_BOUNCES > 1). gone: what plates on the way let through. */
+ * scattered on has taken its own (RC_FEATURE_BOUNCES). gone: what plates on the way let through. */
 static inline void rc_split_at_vertex(const LidarTables* t, const Vertex16* vertex, Paths16* paths, float16* gone,
                                       LidarSums* sums) {
-  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+  for (uint line = 0; line < RC_LINES(t); ++line) {
     const float16 scattered = rc_scattered16(t, vertex, line);
-#if RC_PLATES
-    const float16 plate = rc_matter16(t, vertex, line, 2);
-#else
-    const float16 plate = 0.0f;
-#endif
-#if RC_BOUNCES > 1
-    LidarSums apart_sums;
-    apart_sums.ledger[line][RC_LEDGER_TRUNCATED] = 0;
-    apart_sums.ledger[line][RC_LEDGER_ABSORBED] = 0;
-    rc_split_energy(paths, line, plate, scattered, vertex->common != RC_NONE, &apart_sums, RC_LEDGER_TRUNCATED);
-    sums->ledger[line][RC_LEDGER_ABSORBED] += apart_sums.ledger[line][RC_LEDGER_ABSORBED];
-#else
-    rc_split_energy(paths, line, plate, scattered, vertex->common != RC_NONE, sums, RC_LEDGER_TRUNCATED);
-#endif
-#if RC_PLATES
+    const float16 plate = RC_HAS(t, PLATES) ? rc_matter16(t, vertex, line, 2) : (float16)(0.0f);
+    const long truncated = sums->ledger[line][RC_LEDGER_TRUNCATED];
+    rc_split_energy(t, paths, line, plate, scattered, vertex->common != RC_NONE, sums, RC_LEDGER_TRUNCATED);
+    if (RC_HAS(t, BOUNCES)) sums->ledger[line][RC_LEDGER_TRUNCATED] = truncated;
+    if (!RC_HAS(t, PLATES)) continue;
     paths->weight[line] *= plate;
     gone[line] *= plate;
-#endif
   }
 }
 
-#if RC_PLATES
 /* Traces on the rays that plates let through and ends the others. last: none may go on. */
 static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const Vertex16* vertex,
                                   const PulseRays16* rays, bool last, Paths16* paths, uint16* instances,
@@ -169,7 +139,7 @@ static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const
     hits.primitive[k] = 0;
     if (!(paths->live >> k & 1u)) continue;
     float plate = 0.0f;
-    for (uint line = 0; line < RC_LASER_LINES; ++line) plate += t->optics[vertex->surface[k] * RC_LASER_LINES + line].z;
+    for (uint line = 0; line < RC_LINES(t); ++line) plate += t->optics[vertex->surface[k] * RC_LINES(t) + line].z;
     if (!(plate > 0.0f) || last) continue;
     through |= 1u << k;
     ++sums->rays;
@@ -179,40 +149,31 @@ static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const
   }
   *instances = rc_load16(0, hits.instance);
   *primitives = rc_load16(0, hits.primitive);
-  rc_end_lanes(paths, paths->live & ~through, sums, RC_LEDGER_TRUNCATED);
+  rc_end_lanes(t, paths, paths->live & ~through, sums, RC_LEDGER_TRUNCATED);
 }
-#endif
 
 /* What an owner keeps from word to word. */
 typedef struct OwnerMemory {
-  Triangle triangle; /* that its last rays met */
-#if RC_FOLDED
-  Moments moments[RC_LASER_LINES]; /* of light scattered once */
-#endif
+  Triangle triangle;               /* that its last rays met */
+  Moments moments[RC_MOST_FOLDED]; /* of light scattered once */
 } OwnerMemory;
 
-static inline Moments* rc_moments(OwnerMemory* memory) {
-#if RC_FOLDED
-  return memory->moments;
-#else
-  return 0;
-#endif
+static inline Moments* rc_moments(const LidarTables* t, OwnerMemory* memory) {
+  return RC_HAS(t, FOLDED) ? memory->moments : 0;
 }
 
-static inline void rc_begin_memory(OwnerMemory* memory) {
+static inline void rc_begin_memory(const LidarTables* t, OwnerMemory* memory) {
   memory->triangle.instance = RC_NONE;
-#if RC_FOLDED
-  for (uint line = 0; line < RC_LASER_LINES; ++line) rc_clear_moments(memory->moments + line);
-#endif
+  if (!RC_HAS(t, FOLDED)) return;
+  for (uint line = 0; line < RC_LINES(t); ++line) rc_clear_moments(memory->moments + line);
 }
 
 /* What is kept, to the owner's rows. */
 static inline void rc_fold_memory(const LidarTables* t, OwnerMemory* memory, RC_ROW_SPACE float* rows,
                                   LidarSums* sums) {
-#if RC_FOLDED
-  for (uint line = 0; line < RC_LASER_LINES; ++line)
+  if (!RC_HAS(t, FOLDED)) return;
+  for (uint line = 0; line < RC_LINES(t); ++line)
     rc_fold_all(t, memory->moments + line, rows + (size_t)line * t->row, sums->sum[line]);
-#endif
 }
 
 /* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
@@ -228,19 +189,18 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   Paths16 paths;
   rc_begin_rays(t, select((float16)(0.0f), a, exists), select((float16)(0.0f), b, exists), first_ray, &rays, &leaves);
   rc_begin_paths(t, &rays, exists, first_ray, &paths);
-#if RC_STOPPED && RC_OWN_PIXELS > 1
-  rc_count_rays(t, &paths, stopped);
-#endif
-  float16 gone[RC_LASER_LINES]; /* what plates on the way let through: the way back meets them again */
-  for (uint line = 0; line < RC_LASER_LINES; ++line) gone[line] = 1.0f;
+  if (RC_HAS(t, STOPPED) && RC_OWN_PIXELS(t) > 1u) rc_count_rays(t, &paths, stopped);
+  float16 gone[RC_MOST_LINES]; /* what plates on the way let through: the way back meets them again */
+  for (uint line = 0; line < RC_LINES(t); ++line) gone[line] = 1.0f;
+  float16 weight[RC_MOST_LINES];
   float16 begins_z = (reference.z - from_start.z) + leaves.z,
           reached = 0.0f;                                   /* where the piece of the ray in question begins */
   for (uint crossings = 64u; crossings > 0u; --crossings) { /* ends by itself: the last lets nothing through */
     const uint missed = rc_mask16(instances == RC_NONE);
-    rc_end_lanes(&paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
+    rc_end_lanes(t, &paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
     Vertex16 vertex;
-    rc_meet(scene, instances, primitives, paths.live, &rays, &memory->triangle, &vertex);
+    rc_meet(scene, t, instances, primitives, paths.live, &rays, &memory->triangle, &vertex);
     const int16 live = rc_bits16(paths.live);
     const float16 along = select((float16)(0.0f), vertex.along, live);
     paths.place = rc_along16(rays.offset, along, rays.direction);
@@ -248,38 +208,31 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
     const Leg16 leg = rc_leg16(from_start, travelled);
     const float16 range = leg.range;
     paths.first_range = range;
-    rc_end_lanes(&paths, rc_mask16(range > t->settings[RC_SET_RANGE_LIMIT]) & paths.live, sums, RC_LEDGER_ESCAPED);
+    rc_end_lanes(t, &paths, rc_mask16(range > t->settings[RC_SET_RANGE_LIMIT]) & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
     paths.path = leg.more;
     rc_pass_segment(t, &paths, begins_z, paths.place, paths.way, range - reached, sums);
     begins_z = reference.z + paths.place.z;
     reached = range;
     const bool apart = shot[RC_SHOT_AXIS].w == 0.0f;
-#if RC_PLATES
-    Paths16 back = paths;
-    for (uint line = 0; line < RC_LASER_LINES; ++line) back.weight[line] *= apart ? (float16)(1.0f) : gone[line];
-    rc_connect(scene, t, &back, &vertex, rc_leg_home(t, paths.place, leg), apart, first, rc_moments(memory), sums);
-#else
-    rc_connect(scene, t, &paths, &vertex, rc_leg_home(t, paths.place, leg), apart, first, rc_moments(memory), sums);
-#endif
-#if RC_BOUNCES > 1
-    Paths16 scattered = paths;
-    for (uint line = 0; line < RC_LASER_LINES; ++line)
-      scattered.energy[line] = rc_share16(paths.energy[line], rc_scattered16(t, &vertex, line));
-#endif
+    for (uint line = 0; RC_HAS(t, PLATES) && line < RC_LINES(t); ++line) {
+      weight[line] = paths.weight[line];
+      paths.weight[line] *= apart ? (float16)(1.0f) : gone[line];
+    }
+    rc_connect(scene, t, &paths, &vertex, rc_leg_home(t, paths.place, leg), apart, first, rc_moments(t, memory), sums);
+    for (uint line = 0; RC_HAS(t, PLATES) && line < RC_LINES(t); ++line) paths.weight[line] = weight[line];
+    Paths16 scattered;
+    if (RC_HAS(t, BOUNCES)) {
+      scattered = paths;
+      for (uint line = 0; line < RC_LINES(t); ++line)
+        scattered.energy[line] = rc_share16(paths.energy[line], rc_scattered16(t, &vertex, line));
+    }
     rc_split_at_vertex(t, &vertex, &paths, gone, sums);
-#if RC_STOPPED
-    rc_stop(t, &paths, &vertex, stopped);
-#endif
-#if RC_BOUNCES > 1
-    rc_scatter_on(scene, t, &scattered, &vertex, first_ray, multiple, sums);
-#endif
-#if RC_PLATES
+    if (RC_HAS(t, STOPPED)) rc_stop(t, &paths, &vertex, stopped);
+    if (RC_HAS(t, BOUNCES)) rc_scatter_on(scene, t, &scattered, &vertex, first_ray, multiple, sums);
+    if (!RC_HAS(t, PLATES)) return;
     rc_pass_plates(scene, t, &vertex, &rays, crossings == 1u, &paths, &instances, &primitives, sums);
     if (!paths.live) return;
-#else
-    return;
-#endif
   }
 }
 #endif

@@ -18,9 +18,8 @@ typedef struct Hits16 {
 typedef struct Vertex16 {
   float16 along;   /* tau */
   Vector16 normal; /* unit, geometric, to the side the ray came from */
-#if RC_CONTINUES || RC_SHADOWS
-  Vector16 front, back; /* m, scene frame: off the surface by its error bound, on the ray's side and behind */
-#endif
+  /* m, scene frame: off the surface by its error bound, on the ray's side and behind (RC_POINTS_OFF) */
+  Vector16 front, back;
   uint surface[16]; /* 0 in lanes that met nothing */
   uint common;      /* the surface of all lanes that met something; RC_NONE: they differ */
 } Vertex16;
@@ -179,21 +178,14 @@ static inline void rc_remember(SceneArrays scene, uint instance, uint primitive,
   triangle->surface = block->surface[primitive % RC_BLOCK];
 }
 
-#if RC_CONTINUES || RC_SHADOWS
-#define RC_POINTS_OFF 1
-#else
-#define RC_POINTS_OFF 0
-#endif
-
 /* The vertices of the lanes in `live`. triangle: remembered from word to word, or 0. */
-static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitives, uint live, const PulseRays16* rays,
-                           Triangle* triangle, Vertex16* vertex) {
+static inline void rc_meet(SceneArrays scene, const LidarTables* t, uint16 instances, uint16 primitives, uint live,
+                           const PulseRays16* rays, Triangle* triangle, Vertex16* vertex) {
   RC_LINE uint instance_of[16], primitive_of[16];
   rc_store16(instances, 0, instance_of);
   rc_store16(primitives, 0, primitive_of);
-#if !RC_POINTS_OFF
   const uint first = rc_lowest(live), instance = instance_of[first], primitive = primitive_of[first];
-  if (triangle && !(rc_mask16((instances != instance) | (primitives != primitive)) & live)) {
+  if (!RC_POINTS_OFF(t) && triangle && !(rc_mask16((instances != instance) | (primitives != primitive)) & live)) {
     if (triangle->instance != instance || triangle->primitive != primitive)
       rc_remember(scene, instance, primitive, triangle);
     float16 against;
@@ -203,7 +195,6 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
     vertex->common = triangle->surface;
     return;
   }
-#endif
   Vector16 v[3];
   uint16 surface = 0u;
   v[0].x = v[0].y = v[0].z = v[1].x = v[1].y = v[1].z = v[2].x = v[2].y = v[2].z = 0.0f;
@@ -230,9 +221,7 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
   const Planes16 planes = rc_planes16(v);
   vertex->along = 0.0f;
   vertex->normal = zero;
-#if RC_POINTS_OFF
-  vertex->front = vertex->back = zero;
-#endif
+  if (RC_POINTS_OFF(t)) vertex->front = vertex->back = zero;
   while (live) { /* one instance after the other: its matrices are shared */
     const uint instance = instance_of[rc_lowest(live)];
     const int16 lanes = (instances == instance) & rc_bits16(live);
@@ -243,36 +232,32 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
     vertex->along = select(vertex->along, along, lanes);
     vertex->normal =
         rc_select_vector16(vertex->normal, rc_turned_to(rc_unit_normals(placed, planes.normal), against), lanes);
-#if RC_POINTS_OFF
+    if (!RC_POINTS_OFF(t)) continue;
     Vector16 there, facing;
     float16 lift;
     const Vector16 from = rc_plus16(rays->origin, rays->offset);
     rc_surface_points(placed, v, from, rays->direction, &there, &facing, &lift);
     vertex->front = rc_select_vector16(vertex->front, there, lanes);
-#if RC_PLATES || RC_LEAVES /* else nothing leaves a surface behind */
+    if (!RC_HAS(t, PLATES) && !RC_HAS(t, LEAVES)) continue; /* nothing leaves a surface behind */
     const Vector16 backwards = {-rays->direction.x, -rays->direction.y, -rays->direction.z};
     rc_surface_points(placed, v, from, backwards, &there, &facing, &lift);
     vertex->back = rc_select_vector16(vertex->back, there, lanes);
-#endif
-#endif
   }
 }
 
 /* One factor of the lanes' surfaces at a line: reflectance, diffuse or straight transmittance, gloss (0 to 3). */
 static inline float16 rc_matter16(const LidarTables* t, const Vertex16* vertex, uint line, uint which) {
   global const float* optics = (global const float*)t->optics;
-  if (vertex->common != RC_NONE) return (float16)(optics[(vertex->common * RC_LASER_LINES + line) * 4u + which]);
+  if (vertex->common != RC_NONE) return (float16)(optics[(vertex->common * RC_LINES(t) + line) * 4u + which]);
   RC_LINE float value[16];
-  for (uint k = 0; k < 16u; ++k) value[k] = optics[(vertex->surface[k] * RC_LASER_LINES + line) * 4u + which];
+  for (uint k = 0; k < 16u; ++k) value[k] = optics[(vertex->surface[k] * RC_LINES(t) + line) * 4u + which];
   return rc_load16(0, value);
 }
 
 /* Share of light that goes on into all directions, or mirrored. */
 static inline float16 rc_scattered16(const LidarTables* t, const Vertex16* vertex, uint line) {
   float16 share = rc_matter16(t, vertex, line, 0) + rc_matter16(t, vertex, line, 1);
-#if RC_GLOSS
-  share += rc_matter16(t, vertex, line, 3);
-#endif
+  if (RC_HAS(t, GLOSS)) share += rc_matter16(t, vertex, line, 3);
   return share;
 }
 

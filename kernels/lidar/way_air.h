@@ -4,7 +4,6 @@
 
 #include "kernels/lidar/air.h"
 
-#if RC_AIR
 /* Backscatter of the air at heights, 1 / (m sr): linear between posts, nothing above the last. */
 static inline float16 rc_backscatter(const LidarTables* t, global const float* posts, float16 z) {
   const float last = t->settings[RC_SET_AIR_POSTS] - 1.0f;
@@ -43,7 +42,7 @@ static inline void rc_way_depths(const LidarTables* t, float from_z, float16 to_
   const float16 first = above_low - (up ? (float16)(from_z) : to_z),
                 last = (up ? to_z : (float16)(from_z)) - below_high;
   const float16 whole = (first + last) + (below_high - above_low);
-  for (uint node = 0; node < RC_LINE_NODES; ++node) {
+  for (uint node = 0; node < RC_LINE_NODES(t); ++node) {
     global const float2* cells = t->air + node * posts;
     if (low == high)
       depth[node] = fma(length, (float16)(cells[low].y), depth[node]);
@@ -54,6 +53,5 @@ static inline void rc_way_depths(const LidarTables* t, float from_z, float16 to_
                      whole;
   }
 }
-#endif
 
 #endif

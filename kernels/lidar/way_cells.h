@@ -29,12 +29,12 @@ static inline Cells rc_cells(const LidarTables* t, const Beam* beam, int bin, fl
   /* d whole / d s = 1 + the cosine between the ray and the way back from the end. */
   cells.span = 0.5f * step / fmax(1.0f + (cells.s + beam->along) / cells.rest, 1e-6f);
   cells.good = (cells.s > 0.0f) & (cells.s <= t->settings[RC_SET_RANGE_LIMIT]) &
-               ((RC_RECEIVER ? cells.s : cells.rest) >= t->settings[RC_SET_MINIMUM_RANGE]);
+               ((RC_HAS(t, RECEIVER) ? cells.s : cells.rest) >= t->settings[RC_SET_MINIMUM_RANGE]);
   return cells;
 }
 
 /* The table at distances, over the square of the distance to the end. */
-static inline float16 rc_geometry(global const float* table, const Cells* cells) {
+static inline float16 rc_geometry(const LidarTables* t, global const float* table, const Cells* cells) {
   const float log_near = table[RC_BEAM_LOG_NEAR], per_log = table[RC_BEAM_POSTS_PER_LOG];
   const float16 at = clamp((log(fmax(cells->s, 1e-20f)) - log_near) * per_log, 0.0f, table[RC_BEAM_LAST]),
                 low = floor(at);
@@ -53,12 +53,9 @@ static inline float16 rc_geometry(global const float* table, const Cells* cells)
     a = rc_load16(0, from);
     b = rc_load16(0, to);
   }
-#if RC_OVERLAP && !RC_RECEIVER && RC_COLUMNS * RC_ROWS == 1
+  int16 open = cells->good;
   /* Where nothing is seen from one of two posts, the edge of a blind zone lies between: nothing leaks into it. */
-  const int16 open = cells->good & (a > 0.0f) & (b > 0.0f);
-#else
-  const int16 open = cells->good;
-#endif
+  if (RC_HAS(t, OVERLAP) && !RC_HAS(t, RECEIVER) && !RC_HAS(t, PIXELS)) open &= (a > 0.0f) & (b > 0.0f);
   /* Nearer than the table: eta / R^2 stays. */
   const float16 rest = cells->rest * fmax(exp(log_near) / fmax(cells->s, 1e-20f), 1.0f);
   return select((float16)(0.0f), fma(at - low, b - a, a) / (rest * rest), open);

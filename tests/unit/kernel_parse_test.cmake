@@ -66,25 +66,17 @@ foreach(packed IN ITEMS
     "rows.cl -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15"
     "trace_photons.cl -DRC_STACK=96"
     "trace_photons.cl -DRC_STACK=96 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12"
-    "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1" "lidar_beam.cl
-      -DRC_RECEIVER=1"
-    "lidar_beam.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_OVERLAP=0" "lidar_air.cl -" "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2
-      -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8"
-    "lidar_air.cl -DRC_RECEIVER=1 -DRC_AIR=1" "lidar_air.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_AIR=1 -DRC_GAUSSIAN=0"
-      "lidar_shots.cl -DRC_STOPPED=1 -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=4"
-    "lidar_shots.cl -DRC_RECEIVER=1 -DRC_PLATES=1 -DRC_SHADOWS=1" "lidar_shots.cl -DRC_RECEIVER=1 -DRC_GAUSSIAN=0
-      -DRC_BOUNCES=2"
-    "lidar_shots.cl -DRC_BOUNCES=3 -DRC_AIR=1 -DRC_VOLUMES=1 -DRC_STOPPED=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8
-      -DRC_PLATES=1 -DRC_LEAVES=1 -DRC_GLOSS=1 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_HITS=1 -DRC_SHADOWS=1"
-    "lidar_shots.cl -DRC_FOLDED=1 -DRC_ROW_WINDOW=4096"
-    "lidar_shots.cl -DRC_FOLDED=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=2 -DRC_PLATES=1 -DRC_SHADOWS=1"
-    "lidar_shots.cl -DRC_BOUNCES=2 -DRC_SHAPED=1" "lidar_shots.cl -DRC_SHAPED=1 -DRC_GLOSS=1 -DRC_RECEIVER=1")
+    "lidar_shots.cl -" "lidar_shots.cl -DRC_FEATURES=RC_FEATURES_PLAIN -DRC_ROW_WINDOW=4096"
+    "lidar_shots.cl -DRC_FEATURES=RC_FEATURES_SURVEY -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=4"
+    "lidar_shots.cl -DRC_FEATURES=RC_FEATURES_ALL -DRC_MOST_LINES=16"
+    "lidar_air.cl -" "lidar_air.cl -DRC_FEATURES=RC_FEATURES_ALL -DRC_MOST_LINES=16" "lidar_beam.cl -"
+    "lidar_beam.cl -DRC_FEATURES=RC_FEATURES_ALL")
   separate_arguments(words UNIX_COMMAND "${packed}")
   list(POP_FRONT words entry)
   if(entry MATCHES "^trace_(primary|light|bounce)")
     list(APPEND words -DRC_STACK=92)
-  elseif(entry MATCHES "lidar_")
-    list(APPEND words -DRC_TAPS_PADDED=32)
+  elseif(entry STREQUAL "lidar_shots.cl")
+    list(APPEND words -DRC_STACK=96)
   endif()
   list(REMOVE_ITEM words "-")
   foreach(clang IN LISTS clangs)
