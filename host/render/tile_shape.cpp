@@ -123,10 +123,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   // The plain grid has bundles of its own; where rays go one by one, how samples lie is no matter of the program.
   const bool grid = !shape.moving && shape.sampler == scene::SamplerKind::grid && shape.support_px == 1;
   ProgramOptions out{all + stack + define("RC_GRID", int{grid}), all + stack + matter, "", all + matter};
-  if (shape.bounces) {
-    out.paths = out.trace + define("RC_SKELETON", shape.skeleton_padded());
-    if (shape.path_steps > 0) out.paths += define("RC_PATH_LOG", 1);
-  }
+  if (shape.bounces) out.paths = out.trace + define("RC_SKELETON", shape.skeleton_padded());
   return out;
 }
 

@@ -29,7 +29,9 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
                        sun_up,
                        levels,
                        seed,
-                       {lamps, lamp_first, lamp_distribution} RC_GATHER_ALBEDOS() RC_GATHER_LOG()};
+                       {lamps, lamp_first, lamp_distribution},
+                       path_log + (size_t)place.pixel * log_paths * (levels + 1u),
+                       log_paths RC_GATHER_ALBEDOS()};
   const uint samples = samples_u * samples_v;
   global float* out = glow + rc_glow_at(&tile, place.pixel, 0u);
   global const float* group_in = surface + rc_surface_at(&tile, place.pixel);
@@ -40,10 +42,8 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
   rc_clear_first(&first);
   if (first_sample == 0u)
     for (uint i = 0; i < place.used * (uint)rc_glow_at(&tile, 1u, 0u); ++i) out[i] = 0.0f;
-#if RC_PATH_LOG
   for (uint i = 0; first_sample == 0u && i < place.used * tables.log_paths * (levels + 1u); ++i)
     tables.log[i].decided = 0u;
-#endif
   for (uint p = 0; p < (levels ? place.used : 0u); ++p) {
     global const uint* ids = hits + rc_hits_at(&tile, place.pixel + p);
     global const float* in = surface + rc_surface_at(&tile, place.pixel + p);
@@ -89,9 +89,7 @@ RC_BODY trace_bounce_body(uint index, RC_PARAMETERS(RC_TRACE_BOUNCE_ARGUMENTS)) 
         first.scale[i] = share.scale * chunk_weight[sample] / sample_total;
         first.pixel[i] = p, first.part[i] = part, first.path[i] = path_number;
         first.slot[i] = slot, first.surface[i] = on, first.side[i] = side;
-#if RC_PATH_LOG
         first.sample[i] = first_sample + sample;
-#endif
         if (++first.count == 16u)
           rc_begin_paths(scene, &tables, skyline.instance, &first, place.number, group_in, out, &waiting);
       }

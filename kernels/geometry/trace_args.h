@@ -17,7 +17,7 @@
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
  *   RC_SHAPED, RC_THROUGH, RC_PLATES, RC_GLOSSY, RC_FURTHER, RC_FURTHER_RECORDS  what the scene's matter may ask for:
  *                       kernels/shared/tile_layout.h
- *   RC_SKELETON, RC_PATH_LOG  of trace_bounce: most wavelengths along paths, whether paths are handed over step by step
+ *   RC_SKELETON         of trace_bounce: wavelengths along paths, whole words
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
  * both are multiples of samples_u, so that a chunk is whole rows.
  *

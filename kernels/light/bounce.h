@@ -47,9 +47,7 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
     const uint k = of[i];
     float let[RC_SKELETON];
     if (hidden >> i & 1u && !rc_let_by_plates(scene, t, &rays, i, let)) continue;
-#if RC_PATH_LOG
     ends->lit |= 1u << k;
-#endif
     float factor = cosine[i], more[1 + RC_FURTHER];
     const float4 normal = rc_lane_of(ends->normal, k), back = -rc_way_of(&paths->rays, k);
     rc_more_factors(t, ends->surface[k], side[i], normal, t->sun, back, factor, more);
@@ -162,9 +160,7 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
       shaped *= rc_gloss_factor(t->lobes, lobe, normal, turned, -came);
       rc_carry_on(scene, t, surface, RC_GLOSS_SIDE, shaped / chance, more, paths->carried[k], paths->carried[k]);
       rc_put_ray(&paths->rays, k, rc_lane_of(ends->front, k), turned);
-#if RC_PATH_LOG
       paths->went[k] = RC_GLOSS_SIDE;
-#endif
       on |= 1u << k;
       continue;
     }
@@ -174,9 +170,7 @@ __attribute__((noinline)) static uint rc_go_on(SceneArrays scene, const PathTabl
     rc_more_factors(t, surface, through ? 1u : 0u, normal, way, -came, 1.0f / chance, more);
     rc_carry_on(scene, t, surface, through ? 1u : 0u, shaped / chance, more, paths->carried[k], paths->carried[k]);
     rc_put_ray(&paths->rays, k, rc_lane_of(through ? ends->back : ends->front, k), way);
-#if RC_PATH_LOG
     paths->went[k] = through ? RC_FAR_SIDE : RC_NEAR_SIDE;
-#endif
     on |= 1u << k;
   }
   return on;
@@ -203,10 +197,8 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
   uint live = paths->live;
   for (uint level = 1; live; ++level) {
     rc_stand(scene, t->lobes, &paths->rays, live, &paths->ends);
-#if RC_PATH_LOG
     const uint stood = live;
     paths->ends.lit = 0u;
-#endif
     for (uint left = t->tile->thermal_components > 0u ? live : 0u; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
       /* Of a plate that was so when the ray met it. */
@@ -218,17 +210,13 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
     if (t->tile->sun && t->sun_up) rc_gain_sun(scene, t, live, &paths->ends, paths);
     if (t->tile->lamps > 0u) rc_gain_lamps(scene, t, live, level, &paths->ends, paths);
     live = rc_go_on(scene, t, live, level, &paths->ends, paths);
-#if RC_PATH_LOG
-    rc_log_ends(t, stood, live, level, &paths->ends, paths);
-#endif
+    if (t->log_paths) rc_log_ends(t, stood, live, level, &paths->ends, paths);
     if (level == t->levels) break;
     for (uint left = live; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
       bool passed;
       const bool meets = rc_meets(scene, t, paths, k, level, &passed);
-#if RC_PATH_LOG
-      rc_log_met(rc_step_of(t, paths, k, level), &paths->ends, k);
-#endif
+      if (t->log_paths) rc_log_met(rc_step_of(t, paths, k, level), &paths->ends, k);
       if (meets) continue;
       live &= ~(1u << k);
       if (paths->rays.dz[k] > 0.0f)
@@ -242,9 +230,7 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
   const uint hidden = rc_hidden_of(scene, &rays, live, RC_NONE, 0u);
   for (; live; live &= live - 1u) {
     const uint k = rc_lowest(live);
-#if RC_PATH_LOG
-    rc_step_of(t, paths, k, t->levels)->decided |= hidden >> k & 1u ? RC_STEP_MET : 0u;
-#endif
+    if (t->log_paths) rc_step_of(t, paths, k, t->levels)->decided |= hidden >> k & 1u ? RC_STEP_MET : 0u;
     float let[RC_SKELETON];
     if (hidden >> k & 1u && !(rays.dz[k] > 0.0f && rc_let_by_plates(scene, t, &rays, k, let))) continue;
     for (uint m = 0; RC_PLATES && hidden >> k & 1u && m < RC_SKELETON; ++m) paths->carried[k][m] *= let[m];

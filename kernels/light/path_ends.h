@@ -15,9 +15,7 @@ typedef struct Ends16 {
   float normal[3][16];             /* unit, to the side that the ray came from */
   float lift[16];                  /* m: that front was moved along the normal, more than rounding can be */
   uint instance[16], primitive[16], surface[16];
-#if RC_PATH_LOG
   uint lit; /* bit of each that sees the sun */
-#endif
 } RC_LINE Ends16;
 
 static inline void rc_store3(Vector16 v, float to[3][16]) {

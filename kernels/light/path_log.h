@@ -1,11 +1,11 @@
 /* What the steps of paths were, for the reference to replay (host/reference/path_replay.h): the rays that were sent,
- * what they met, what was decided there. Compiled in where a probe asks for it (RC_PATH_LOG), and nowhere else. */
+ * what they met, what was decided there. Nothing is handed over but to a probe that asks for it
+ * (PathTables::log_paths). */
 #ifndef RAYCUBE_KERNELS_LIGHT_PATH_LOG_H
 #define RAYCUBE_KERNELS_LIGHT_PATH_LOG_H
 
 #include "kernels/light/path_matter.h"
 
-#if RC_PATH_LOG
 /* Step `step` of path `path` of a pixel of the group. */
 static inline global PathStep* rc_step(const PathTables* t, uint pixel, uint path, uint step) {
   return t->log + ((size_t)pixel * t->log_paths + path) * (t->levels + 1u) + step;
@@ -38,6 +38,5 @@ static inline void rc_log_ends(const PathTables* t, uint live, uint on, uint lev
     if (on >> k & 1u) rc_log_ray(rc_step_of(t, paths, k, level), &paths->rays, k, 0.0f, 0.0f);
   }
 }
-#endif
 
 #endif

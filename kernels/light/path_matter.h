@@ -13,12 +13,6 @@
  * together: the role after all others (plan::Bounces::curve). */
 #define RC_CURVE_HEAT RC_CURVE_LEANING(RC_FURTHER_RECORDS)
 #define RC_PATH_DIMENSION 25u /* of rc_hash, and the next three */
-#if RC_PATH_LOG
-#define RC_GATHER_LOG() \
-  , path_log + (size_t)place.pixel *RC_NUMBERED_PATHS(paths) * (levels + 1u), RC_NUMBERED_PATHS(paths)
-#else
-#define RC_GATHER_LOG()
-#endif
 #define RC_LAMP_DRAW 11u /* after them, and past the photons' and RC_LAMP_DIMENSION: six for each source of lamps */
 
 #define RC_MOST_LAMPS 12 /* sources of lamps */
@@ -36,12 +30,10 @@ typedef struct PathTables {
   float lowest; /* z of the scene, m */
   uint sun_up, levels, seed;
   LampTables lamps;
+  global PathStep* log; /* of the group's first pixel */
+  uint log_paths;       /* of a pixel, as they are numbered; 0: steps are not handed over */
 #if RC_SHAPED
   LobeAlbedos albedos;
-#endif
-#if RC_PATH_LOG
-  global PathStep* log; /* of the group's first pixel */
-  uint log_paths;       /* of a pixel, as they are numbered */
 #endif
 } PathTables;
 
@@ -56,9 +48,7 @@ typedef struct Paths16 {
   uint count;
   uint live; /* bit of each path whose first ray met a surface; of the others the gain is whole */
   Ends16 ends;
-#if RC_PATH_LOG
   uint went[16]; /* side by which each went on last */
-#endif
 } RC_LINE Paths16;
 
 #if RC_GLOSSY

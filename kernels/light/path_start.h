@@ -25,9 +25,7 @@ typedef struct First16 {
   float scale[16];  /* as of Paths16 */
   uint pixel[16], part[16], path[16];
   uint slot[16], surface[16], side[16]; /* of the sample */
-#if RC_PATH_LOG
-  uint sample[16]; /* of the pixel */
-#endif
+  uint sample[16];                      /* of the pixel */
   uint count;
   uint down, clear; /* bits of rays that go below the horizon; that are known to miss the ground */
 #if RC_PLATES
@@ -106,14 +104,12 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
 #else
   const uint straight = 0u, none = 0u, begin = hidden;
 #endif
-#if RC_PATH_LOG
-  for (uint i = 0; i < first->count; ++i) {
+  for (uint i = 0; t->log_paths && i < first->count; ++i) {
     global PathStep* at = rc_step(t, first->pixel[i], first->path[i], 0u);
     rc_log_ray(at, &first->rays, i, first->weight[i], first->scale[i]);
     at->slot = first->sample[i] * 4u + first->side[i];
     at->decided |= hidden >> i & 1u ? RC_STEP_MET : 0u;
   }
-#endif
   for (uint left = begin; left; left &= left - 1u) {
     const uint i = rc_lowest(left);
     const uint k = paths->count;
@@ -131,10 +127,10 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     for (uint m = 0; m < rc_glow_width(t->tile); ++m) paths->gained[k][m] = 0.0f;
     bool passed = false, lit = false;
     const bool follow = (hidden & ~none) >> i & 1u, meets = follow && rc_meets(scene, t, paths, k, 0u, &passed);
-#if RC_PATH_LOG
-    global PathStep* at = rc_step(t, first->pixel[i], first->path[i], 0u);
-    at->instance = paths->ends.instance[k], at->primitive = paths->ends.primitive[k];
-#endif
+    if (t->log_paths) {
+      global PathStep* at = rc_step(t, first->pixel[i], first->path[i], 0u);
+      at->instance = paths->ends.instance[k], at->primitive = paths->ends.primitive[k];
+    }
 #if RC_PLATES
     if (first->sunless >> i & 1u) lit = rc_gain_first_sun(scene, t, first, i, points, paths->gained[k]);
 #endif

@@ -150,7 +150,8 @@
   VALUE(rc_uint, first_sample) NEXT() \
   VALUE(rc_uint, sample_count) NEXT() \
   WRITE(rc_float, glow) NEXT() \
-  WRITE(PathStep, path_log)           /* [pixel][numbered path][levels + 1], written where RC_PATH_LOG */
+  VALUE(rc_uint, log_paths) NEXT()    /* of a pixel, as they are numbered; 0: no step is handed over */ \
+  WRITE(PathStep, path_log)           /* [pixel][log_paths][levels + 1] */
 
 #define RC_FIRST_OPAQUE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   VALUE(TileShape, tile) NEXT() \

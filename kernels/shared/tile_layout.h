@@ -24,7 +24,7 @@
  *                                               (trace_bounce): by part of the samples, what it adds at the skeleton
  *                                               wavelengths, per light of sun, skies and heat together, then per
  *                                               light of each source of lamps; the parts' sum is the pixel's
- *   path_log  PathStep  [numbered path][levels + 1]  where a probe asks for it (RC_PATH_LOG)
+ *   path_log  PathStep  [numbered path][levels + 1]  where a probe asks for it
  *   opaque    uint    [near slots]               where it is asked for: the first primitive on the sample's ray that
  *                                               lets no light through, or RC_NONE
  * Once for all pixels: chunk weights, float [near slots], zero where there is no sample.
@@ -128,9 +128,6 @@
 #endif
 #ifndef RC_SKELETON
 #define RC_SKELETON 16 /* most wavelengths along paths, whole words */
-#endif
-#ifndef RC_PATH_LOG
-#define RC_PATH_LOG 0 /* 1: every step of every path is handed over */
 #endif
 #define RC_MOST_OWN_SIDES (1 + RC_THROUGH + RC_GLOSSY)
 #define RC_MOST_SIDES (RC_MOST_OWN_SIDES + RC_FURTHER)
