@@ -176,15 +176,42 @@ void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
   set(RC_SET_SUPPORT, support(plan.footprint));
 }
 
-void set_options(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
-  const std::string common = " -cl-std=CL1.2";
-  const bool window = tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple;
-  const std::string lines = define("RC_MOST_LINES", std::max(plan.lines(), static_cast<int>(plan.nodes.size())));
-  tables.shot_options = common + define("RC_CHUNK_SAMPLES", tables.chunk) +
-                        define("RC_STACK", kernel_stack(scene.stack_bound())) + define("RC_FEATURES", tables.features) +
-                        lines + define("RC_ROW_WINDOW", window ? kRowWindow : 0);
-  tables.air_options = common + define("RC_FEATURES", tables.features) + lines;
-  tables.beam_options = common + define("RC_FEATURES", tables.features);
+/// Lines that a program's private arrays have room for, and their nodes: what is one of each stays in registers.
+std::uint32_t room_for(const lidar::LidarPlan& plan) {
+  const auto lines = static_cast<std::uint32_t>(plan.lines()), nodes = static_cast<std::uint32_t>(plan.nodes.size());
+  if (lines <= 1 && nodes <= 1) return 1;
+  std::uint32_t room = 16;
+  while (room < lines || RC_NODES_OF_ROOM(room) < nodes) room *= 4;
+  return room;
+}
+
+/// Which set of features a launch's programs are built for.
+enum class Built { plain, survey, all };
+
+Built built_for(const lidar::LidarPlan& plan, const LidarTables& tables) {
+  const auto within = [&](std::uint32_t set) { return room_for(plan) == 1 && (tables.features & ~set) == 0; };
+  return within(RC_FEATURES_PLAIN) ? Built::plain : within(RC_FEATURES_SURVEY) ? Built::survey : Built::all;
+}
+
+/// Of all that a launch may have and count, few programs are built, so that launches share them: what a program can do
+/// beyond its launch changes no bit.
+void set_programs(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
+  const Built built = built_for(plan, tables);
+  const bool single = (tables.features & RC_FEATURE_SINGLE) != 0;
+  tables.samples = single ? single_samples(plan.footprint) : bundle_samples(plan.footprint, kMostBundle);
+  tables.plan[RC_PLAN_SLOTS] = kMostBundle;
+  tables.plan[RC_PLAN_FEATURES] = tables.features;
+  const bool window = built != Built::all && tables.owner_rows * tables.row_floats <= kRowWindow;
+  const std::string standard = " -cl-std=CL1.2", all = standard + " -DRC_FEATURES=RC_FEATURES_ALL",
+                    lines = define("RC_MOST_LINES", room_for(plan));
+  tables.shot_options = (built == Built::plain    ? standard + " -DRC_FEATURES=RC_FEATURES_PLAIN"
+                         : built == Built::survey ? standard + " -DRC_FEATURES=RC_FEATURES_SURVEY"
+                                                  : all) +
+                        define("RC_CHUNK_SAMPLES", kMostBundle) +
+                        define("RC_STACK", kernel_stack(scene.stack_bound())) + lines +
+                        define("RC_ROW_WINDOW", window ? kRowWindow : 0);
+  tables.air_options = all + lines;
+  tables.beam_options = all;
 }
 
 }  // namespace
@@ -201,8 +228,6 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   const auto rays = static_cast<int>(plan.footprint.a.size());
   const double unit = receiver ? lidar.receiver.pixel_pitch_rad : lidar.pulse.half_divergence_rad;
   const bool single = exits || unit < kNarrow || rays < 2;
-  tables.chunk = std::min(RC_PADDED(rays), kMostBundle);
-  tables.samples = single ? single_samples(plan.footprint) : bundle_samples(plan.footprint, tables.chunk);
   for (const auto* part : {&plan.footprint.exit_a, &plan.footprint.exit_b}) {
     tables.exits.insert(tables.exits.end(), part->begin(), part->end());
     if (exits) tables.exits.resize(RC_PADDED(tables.exits.size()), 0.0f);
@@ -225,15 +250,13 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   tables.plan[RC_PLAN_COLUMNS] = static_cast<std::uint32_t>(lidar.receiver.columns);
   tables.plan[RC_PLAN_ROWS] = static_cast<std::uint32_t>(lidar.receiver.rows);
   tables.plan[RC_PLAN_RAYS] = static_cast<std::uint32_t>(rays);
-  tables.plan[RC_PLAN_SLOTS] = static_cast<std::uint32_t>(tables.chunk);
   tables.plan[RC_PLAN_BOUNCES] = static_cast<std::uint32_t>(lidar.transport.max_bounces);
   fill_matter(plan, scene, tables);
   fill_air(plan, tables);
   fill_volumes(plan, scene, tables);
   fill_taps(plan, tables);
   fill_settings(plan, tables);
-  tables.plan[RC_PLAN_FEATURES] = tables.features;
-  set_options(plan, scene, tables);
+  set_programs(plan, scene, tables);
   for (const double photons : plan.photons) tables.photons.push_back(static_cast<float>(photons));
   for (const auto& node : plan.nodes) tables.node_weight.push_back(static_cast<float>(node.weight));
   for (const int node : plan.first_node) tables.first_node.push_back(static_cast<std::uint32_t>(node));

@@ -11,7 +11,6 @@
 namespace raycube::render {
 
 struct LidarTables {
-  int chunk = 0;                    ///< slots of a bundle
   std::uint32_t features = 0;       ///< RC_FEATURE_* of kernels/lidar/layout.h
   std::vector<std::uint32_t> plan;  ///< RC_PLAN_*
   std::vector<shared::Lobe> lobes;

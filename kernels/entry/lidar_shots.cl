@@ -31,9 +31,9 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
 
   for (uint begin = 0; begin < t->rays; begin += RC_CHUNK_SAMPLES) {
     global const Scatter* scatter = (global const Scatter*)samples + begin / RC_CHUNK_SAMPLES;
-    Closest closest;
-    if (!RC_HAS(t, SINGLE)) rc_trace_bundle(scene, t, scatter, &closest);
     const uint rays = min((uint)RC_CHUNK_SAMPLES, t->rays - begin);
+    Closest closest;
+    if (!RC_HAS(t, SINGLE)) rc_trace_bundle(scene, t, scatter, rays, &closest);
     for (uint slot = 0; slot < rays; slot += RC_WORD) {
       const HitWord word =
           RC_HAS(t, SINGLE) ? rc_trace_word(scene, t, begin + slot) : rc_word_of_bundle(scatter, &closest, slot);

@@ -24,7 +24,7 @@ static inline float rc_air_mean(global const float2* air, float z0, float dz, fl
 __attribute__((noinline, unused)) static void rc_air_depths(const LidarTables* t, float16 from_z, float16 to_z,
                                                             float16 length, float16* depth) {
   RC_LINE float low[16], high[16];
-  RC_LINE float mean[RC_MOST_LINES][16];
+  RC_LINE float mean[RC_MOST_LINE_NODES][16];
   rc_store16(fmin(from_z, to_z), 0, low);
   rc_store16(fmax(from_z, to_z), 0, high);
   const float z0 = t->settings[RC_SET_AIR_Z0], dz = t->settings[RC_SET_AIR_DZ];

@@ -12,17 +12,17 @@
 
 /* 16 paths at a scattering vertex. */
 typedef struct Paths16 {
-  Vector16 place;                /* of the vertex, relative to Q */
-  Vector16 way;                  /* unit, in which light arrived */
-  float16 path;                  /* m, so far, minus |Q - start| */
-  float16 weight[RC_MOST_LINES]; /* photons at the end per (1/sr of the vertex and what follows) */
-  float16 depth[RC_MOST_LINES];  /* so far, [node] */
-  float16 passed[RC_MOST_LINES]; /* transmission of `depth` */
-  float16 open[RC_MOST_LINES];   /* share of the ray that plates let through so far (RC_FEATURE_STOPPED) */
-  long16 energy[RC_MOST_LINES];  /* arriving, for the ledger (RC_LANE_ENERGY) */
-  uint first_ray;                /* of the word */
-  float16 first_range;           /* m, from the start to the first vertex */
-  uint order[16];                /* scatterings, this one included */
+  Vector16 place;                    /* of the vertex, relative to Q */
+  Vector16 way;                      /* unit, in which light arrived */
+  float16 path;                      /* m, so far, minus |Q - start| */
+  float16 weight[RC_MOST_LINES];     /* photons at the end per (1/sr of the vertex and what follows) */
+  float16 depth[RC_MOST_LINE_NODES]; /* so far */
+  float16 passed[RC_MOST_LINES];     /* transmission of `depth` */
+  float16 open[RC_MOST_LINES];       /* share of the ray that plates let through so far (RC_FEATURE_STOPPED) */
+  long16 energy[RC_MOST_LINES];      /* arriving, for the ledger (RC_LANE_ENERGY) */
+  uint first_ray;                    /* of the word */
+  float16 first_range;               /* m, from the start to the first vertex */
+  uint order[16];                    /* scatterings, this one included */
   uint live;
 } RC_LINE Paths16;
 
@@ -260,7 +260,7 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   RC_LINE float visible[RC_MOST_LINES][16];
   if (traced) sums->rays += rc_ways_open(scene, t, vertex, v, facing, lanes, visible);
 
-  float16 depth[RC_MOST_LINES];
+  float16 depth[RC_MOST_LINE_NODES];
   if (RC_MEDIA(t)) rc_depths_home(t, paths, v, range, inverse, lanes, shadow, depth);
 
   const Vector16 home = {-v.x * inverse, -v.y * inverse, -v.z * inverse};

@@ -2,7 +2,8 @@
  * arguments (layout.h), so that launches share programs. Options are:
  *
  *   RC_FEATURES      what the program can do, of RC_FEATURE_* (layout.h)
- *   RC_MOST_LINES    lines, and spectral nodes of all of them, that private arrays have room for; 1: one of each
+ *   RC_MOST_LINES    lines that private arrays have room for, and spectral nodes of all of them (RC_MOST_LINE_NODES); 1: one
+ *                    line of one node
  *   RC_CHUNK_SAMPLES slots of a bundle of rays (trace_args.h)
  *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
  *                    added up where they lie */
@@ -27,6 +28,7 @@
 #ifndef RC_MOST_LINES
 #define RC_MOST_LINES 1
 #endif
+#define RC_MOST_LINE_NODES (RC_NODES_OF_ROOM(RC_MOST_LINES))
 #ifndef RC_ROW_WINDOW
 #define RC_ROW_WINDOW 0
 #endif

@@ -17,7 +17,7 @@ static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, float16
   const int16 live = rc_bits16(paths->live);
   const long16 live_long = convert_long16(live);
   const Vector16 end = rc_plus16(rc_vector16(t->shot[RC_SHOT_REFERENCE]), to);
-  float16 before[RC_MOST_LINES], of_volumes[RC_MOST_LINES];
+  float16 before[RC_MOST_LINE_NODES], of_volumes[RC_MOST_LINE_NODES];
   for (uint node = 0; node < RC_LINE_NODES(t); ++node) {
     before[node] = paths->depth[node];
     of_volumes[node] = 0.0f;

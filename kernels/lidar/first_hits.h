@@ -44,10 +44,11 @@ static inline HitWord rc_trace_word(SceneArrays scene, const LidarTables* t, uin
   return word;
 }
 
-/* All rays of one bundle. */
-static inline void rc_trace_bundle(SceneArrays scene, const LidarTables* t, global const Scatter* scatter,
+/* All rays of one bundle; rays: how many. */
+static inline void rc_trace_bundle(SceneArrays scene, const LidarTables* t, global const Scatter* scatter, uint rays,
                                    Closest* closest) {
-  for (uint k = 0; k < RC_SLOTS; k += 16u) rc_store16((float16)(0.0f), 0, closest->near + k);
+  const uint words = (rays + RC_WORD - 1u) / RC_WORD;
+  for (uint word = 0; word < words; ++word) rc_store16((float16)(0.0f), word, closest->near);
   GroupFrame frame;
   frame.rays.origin = t->shot[RC_SHOT_START];
   frame.rays.d0 = t->shot[RC_SHOT_AXIS];
@@ -57,9 +58,9 @@ static inline void rc_trace_bundle(SceneArrays scene, const LidarTables* t, glob
   frame.rays.ov = (float4)(0.0f);
   frame.half_a = frame.half_b = 0.5f * t->settings[RC_SET_SUPPORT];
   frame.samples = scatter;
-  frame.words = RC_SAMPLE_WORDS;
-  if (rc_primary_group(scene, &frame, RC_PRIMARY_BUDGET(RC_SLOTS), closest)) return;
-  for (uint k = 0; k < RC_SLOTS; ++k) { /* ray by ray */
+  frame.words = words;
+  if (rc_primary_group(scene, &frame, RC_PRIMARY_BUDGET(RC_WORD * words), closest)) return;
+  for (uint k = 0; k < RC_WORD * words; ++k) { /* ray by ray */
     const float a = scatter->a[k], b = scatter->b[k];
     closest->near[k] = 0.0f;
     if (!(a < INFINITY)) continue;

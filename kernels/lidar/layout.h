@@ -64,6 +64,9 @@ enum {
   (RC_FEATURES_PLAIN | RC_FEATURE_SHADOWS | RC_FEATURE_AIR | RC_FEATURE_RETURN | RC_FEATURE_STOPPED)
 #define RC_FEATURES_ALL 0x3FFFFu
 
+/* Spectral nodes that a program has room for with so many lines (RC_MOST_LINES). */
+#define RC_NODES_OF_ROOM(lines) ((lines) == 1 ? 1 : 4 * (lines))
+
 /* Counts of a launch, its argument `plan`. */
 enum {
   RC_PLAN_FEATURES,

@@ -16,7 +16,7 @@ static inline float rc_volume_depth(const LidarTables* t, uint volume, uint node
 __attribute__((noinline, unused)) static void rc_volume_depths(const LidarTables* t, Vector16 to, Vector16 unit,
                                                                float16 length, uint live, float16* depth) {
   RC_LINE float lane[7][16];
-  RC_LINE float sum[RC_MOST_LINES][16];
+  RC_LINE float sum[RC_MOST_LINE_NODES][16];
   rc_store16(to.x, 0, lane[0]);
   rc_store16(to.y, 0, lane[1]);
   rc_store16(to.z, 0, lane[2]);

@@ -68,7 +68,7 @@ static inline void rc_way_light(const LidarTables* t, const Beam* beam, global c
   const Cells cells = rc_cells(t, beam, bin, part);
   const float16 geometry = rc_geometry(t, table, &cells);
   const float16 z = fma(cells.past, (float16)(beam->way.z), (float16)(t->shot[RC_SHOT_GATE].z));
-  float16 depth[RC_MOST_LINES];
+  float16 depth[RC_MOST_LINE_NODES];
   for (uint node = 0; node < RC_LINE_NODES(t); ++node) depth[node] = 0.0f;
   if (RC_HAS(t, AIR)) rc_way_depths(t, beam->start.z, z, cells.s, depth);
   float16 particles = 0.0f;

@@ -8,8 +8,8 @@
 /* How far a chain of cells has been swept. */
 typedef struct Swept {
   float came_to, too_far; /* m from RC_SHOT_GATE, and how much rounding added to it */
-  float depth[RC_MOST_LINES],
-      lost[RC_MOST_LINES]; /* and what rounding took of its sum (Kahan): 1e-4 of it over 20000 bins */
+  float depth[RC_MOST_LINE_NODES],
+      lost[RC_MOST_LINE_NODES]; /* and what rounding took of its sum (Kahan): 1e-4 of it over 20000 bins */
 } Swept;
 
 static inline void rc_begin_sweep(const LidarTables* t, Swept* swept) {
@@ -28,7 +28,7 @@ static inline void rc_deepen(Swept* swept, uint node, float more) {
 static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells* cells, float part, Swept* swept,
                             float16* depth, float16* particles) {
   RC_LINE float s[16], span[16], scattered[16];
-  RC_LINE float here[RC_MOST_LINES][16];
+  RC_LINE float here[RC_MOST_LINE_NODES][16];
   const float4 gate = t->shot[RC_SHOT_GATE];
   const uint exists = rc_mask16(cells->s > 0.0f);
   rc_store16(cells->past, 0, s);
@@ -39,7 +39,7 @@ static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells*
     if (!(exists >> k & 1u)) continue;
     const float from = fmax(s[k] - part * span[k], -gate.w), before = (from - swept->came_to) + swept->too_far;
     const float4 at = (float4)(gate.xyz, 0.0f) + from * beam->way;
-    float cell[RC_MOST_LINES];
+    float cell[RC_MOST_LINE_NODES];
     for (uint node = 0; node < RC_LINE_NODES(t); ++node) cell[node] = 0.0f;
     for (uint i = 0; i < t->volume_count; ++i) {
       if (before > 0.01f * span[k]) { /* the first cell begins past the start */
