@@ -2,8 +2,8 @@
  * arguments (layout.h), so that launches share programs. Options are:
  *
  *   RC_FEATURES      what the program can do, of RC_FEATURE_* (layout.h)
- *   RC_MOST_LINES    lines that private arrays have room for, and spectral nodes of all of them (RC_MOST_LINE_NODES); 1: one
- *                    line of one node
+ *   RC_MOST_LINES    lines that private arrays have room for, and spectral nodes of all of them (RC_MOST_LINE_NODES);
+ *                    1: one line of one node
  *   RC_CHUNK_SAMPLES slots of a bundle of rays (trace_args.h)
  *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
  *                    added up where they lie */
