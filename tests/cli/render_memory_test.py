@@ -1,21 +1,20 @@
 #!/usr/bin/env python3
 """S62: peak memory of a whole `raycube render` grows neither with the samples of a pixel nor with the lines of the
 image.
-Figure: VmHWM of the process, as run.json states it and as the kernel says it of the finished child. Each scene runs
-twice, the first time to fill PoCL's kernel cache (a compiler in the process costs memory of its own).
+Figure: VmHWM of the process, as run.json states it and as the kernel says it of the finished child; the median of
+three runs on one thread and one heap (peak_memory.py), which differ by 0.2 MiB.
 Bounds. Samples: a bit for each sample more, 8.7 MiB here; nine counts from 16 to 3844 came to between 187.6 and 191.6
 MiB (and once 193.3) without a trend, as each count is a program of its own whose code differs. Lines: 4 MiB, 9 bytes
-for each pixel more; what malloc and page cache leave differs by 1.5 MiB from run to run of one program.
+for each pixel more.
 The PNG quicklook alone keeps up to 2^20 pixels: 18 bytes of sums and counts, 7 while it is written; it is switched off
 where lines are compared, and bounded apart.
 usage: render_memory_test.py RAYCUBE"""
 
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
+import peak_memory
 from driver import Program, record, scene
 
 program = Program(sys.argv[1])
@@ -26,19 +25,16 @@ BOUND = 4 * MIB
 
 def peak(work, name, memory, **what):
     path = scene(work, name + ".toml", air='{ model = "clear_sky", aod_550 = 0.2 }', **what)
-    for attempt in ("warm", "measured"):
-        out = work / f"{name}-{attempt}"
-        child = subprocess.Popen(
-            [program.path, "render", path, "-o", out, "-q", "--memory", memory], stdout=subprocess.DEVNULL
-        )
-        _, status, usage = os.wait4(child.pid, 0)
-        assert status == 0, (name, status)
-    stated = record(out / "camera")["memory"]["peak_bytes"]
-    check(
-        abs(usage.ru_maxrss * 1024 - stated) < 2 * MIB, usage.ru_maxrss * 1024, stated
-    )  # the end of the run comes after the record
-    print(f"{name}: peak {usage.ru_maxrss / 1024:.1f} MiB under --memory {memory}", flush=True)
-    return usage.ru_maxrss * 1024
+    out = work / name
+    command = [program.path, "render", path, "-o", out, "-q", "--overwrite", "--memory", memory, "--threads", 1]
+
+    def as_stated(found):  # the end of the run comes after the record
+        stated = record(out / "camera")["memory"]["peak_bytes"]
+        check(abs(found - stated) < 2 * MIB, found, stated)
+
+    found = peak_memory.typical(command, as_stated)
+    print(f"{name}: peak {found / MIB:.1f} MiB under --memory {memory}", flush=True)
+    return found
 
 
 with tempfile.TemporaryDirectory() as work:
