@@ -16,6 +16,16 @@ function(raycube_cli_test name)
     $<TARGET_FILE:raycube> ${ARGN})
   set_tests_properties(${name} PROPERTIES LABELS device SKIP_RETURN_CODE 77)
 endfunction()
+# All cases of a test whose short form runs with the others: with ci/test --full alone.
+function(raycube_full_cli_test name reason)
+  add_test(NAME ${name}_full COMMAND ${RAYCUBE_TEST_PYTHON} ${PROJECT_SOURCE_DIR}/tests/cli/${name}_test.py
+    $<TARGET_FILE:raycube> ${ARGN} --full)
+  set_tests_properties(${name}_full PROPERTIES LABELS "device;full" SKIP_RETURN_CODE 77)
+endfunction()
+raycube_full_cli_test(kernel_cache "a dozen cases find an empty cache, and compile all kernels anew")
+raycube_full_cli_test(shapes "every scattering shape twice against the reference's paths, 5 to 10 s each")
+raycube_full_cli_test(light_budget "canopies of photons against a turbid medium and across periods: a minute and more"
+  ${PROJECT_SOURCE_DIR}/scenes)
 add_test(NAME digests COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/golden/digests_test.py
   $<TARGET_FILE:raycube>
                               ${CMAKE_CURRENT_LIST_DIR}/golden/digests)

@@ -1,5 +1,6 @@
 """S21 S61: every scattering shape that a material can have (its table in the simulation file), seen by a camera and by
-a LIDAR whose pulses bounce: `raycube check` holds the device against the reference, whatever the shape."""
+a LIDAR whose pulses bounce: `raycube check` holds the device against the reference, whatever the shape.
+usage: shapes_test.py RAYCUBE [--full]; without --full two of the shapes."""
 
 import json
 import pathlib
@@ -110,6 +111,8 @@ shapes = {
     if key.get("type") == "object" and "at_nm" in key["properties"]
 }
 program.check("gloss" in shapes, shapes)
+if "--full" not in sys.argv:  # one that reflects and one that mirrors; each of the others takes 5 to 10 s
+    shapes = {name: shapes[name] for name in ("oren_nayar", "gloss")}
 for name, keys in shapes.items():
     numbers = {key: of for key, of in keys.items() if number(of)}
     program.check(len(numbers) == len(keys) - 1, keys)
