@@ -6,11 +6,12 @@ turbulence). usage: digests_test.py RAYCUBE FOLDER [--set NAME] [--write | --wit
 
 Bits are those of the instruction set that PoCL compiles kernels for, not of a processor's maker or name: FOLDER has a
 file for each set that was met (avx2.csv). Besides they may depend on the versions of PoCL, of LLVM, of the C library
-(whose functions have forms for processors with and without FMA) and of the C++ compiler, which the second line states
-and a failure compares. A processor that has more than AVX2 is told by the environment to compile for AVX2
-(kernel_target.py), so each with AVX2 is held to that record; what it has of its own is held to the record of that set.
-Where there is none, some of the scenes are rendered in several ways that may not change a bit (threads, tiles, width of
-vectors) and compared with each other, which the last line says. Nothing is skipped.
+and of the C++ compiler, which the second line states and a failure compares. The C library has functions for processors
+without FMA, too: with those 6 of 259 products move, the returns of three LIDARs. A processor that has more than AVX2 is
+told by the environment to compile for AVX2 (kernel_target.py), so each with AVX2 is held to that record; what it has of
+its own is held to the record of that set. Where there is none, some of the scenes are rendered in several ways that may
+not change a bit (threads, tiles, width of vectors) and compared with each other, which the last line says. Nothing is
+skipped.
 
 --write records what is found instead of comparing; where bits were meant to move, the files of other sets are no longer
 true, and go. --set NAME compiles for a lesser set than the processor's. --within compares the ways alone. Left out:
@@ -240,8 +241,8 @@ SMALL_TILES = "small tiles"
 SCENES = [*CAMERAS, *("lidar_" + name for name in LIDARS)]
 #: Where no record fits: some of them, of each kind of sampling, air, light and detection.
 WITHIN = [
-    *("grid", "small_objects", "adaptive", "few_sky_rays", "point_spread", "whiskbroom", "ground_around", "lamps"),
-    *("lidar_linear", "lidar_bounces", "lidar_leaves", "lidar_array", "lidar_smoke"),
+    *("grid", "small_objects", "adaptive", "whiskbroom", "ground_around", "lamps"),
+    *("lidar_linear", "lidar_bounces", "lidar_array", "lidar_smoke"),
 ]
 POSES = "x_m,y_m,z_m,roll_deg,pitch_deg,heading_deg\n" + "".join(
     f"{-3 + 0.3 * i:.3f},{-7 + 1.1 * i:.3f},{200 + 0.2 * i:.3f},{0.4 * (i % 3) - 0.3:.3f},{0.3 * (i % 4) - 0.5:.3f},"
@@ -400,10 +401,11 @@ def held_to_itself(kernels, why):
             for way, (other, options) in ways.items():
                 if kernels.set == "avx512" and other is not kernels and name.startswith("lidar_"):
                     continue  # AVX-512 takes reciprocals of its own there: kernels/geometry/lanes.h, rc_inverse16
-                lines += [f"{line} ({way})" for line in moved(expected, other.render(work, name, *options))]
+                found = [f"{line} ({way})" for line in moved(expected, other.render(work, name, *options))]
+                for line in found:
+                    print("not the same:", line)
+                lines += found
             print(f"{name}: {time.monotonic() - began:.1f} s", flush=True)
-    for line in lines:
-        print("not the same:", line)
     print(
         f"digests: {why}: {products} products of {len(WITHIN)} scenes were compared within this device "
         f"({kernels.device.name}), as they come by {', '.join(ways)}: {len(lines)} differ"
