@@ -9,7 +9,8 @@
 #include "kernels/lidar/way_rows.h"
 
 RC_BODY lidar_air_body(uint owner, RC_PARAMETERS(RC_LIDAR_AIR_ARGUMENTS)) {
-  const LidarTables all = rc_tables(shots + (size_t)owner * RC_SHOT_FLOAT4S, RC_PASSED(RC_LIDAR_TABLE_ARGUMENTS));
+  LidarTables all = rc_tables(shots + (size_t)owner * RC_SHOT_FLOAT4S, RC_PASSED(RC_LIDAR_TABLE_ARGUMENTS));
+  rc_read_plan(plan, &all);
   const LidarTables* t = &all;
   const Beam beam = rc_beam(t);
   const size_t own_rows = (size_t)RC_OWN_PIXELS(t) * RC_LINES(t);

@@ -13,6 +13,7 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
   LidarTables tables = rc_tables(shots + (size_t)owner * RC_SHOT_FLOAT4S, RC_PASSED(RC_LIDAR_TABLE_ARGUMENTS));
+  rc_read_plan(plan, &tables);
   tables.samples = samples, tables.exits = exits, tables.optics = optics, tables.lobes = lobes, tables.seed = seed;
   const LidarTables* t = &tables;
   const size_t own_floats = (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row;
