@@ -136,7 +136,7 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
                 ? moments.share[static_cast<std::size_t>(row) * static_cast<std::size_t>(taps.taps) + i]
                 : 0.0f);
     tables.cells = moments.cells;
-    tables.features |= RC_FEATURE_FOLDED;
+    if (tables.cells > 0) tables.features |= RC_FEATURE_FOLDED;  // a pulse without width has none
   }
   tables.row_pad = padded;
   tables.row_floats = 2 * padded + static_cast<std::size_t>(RC_PADDED(plan.lidar.gate.bins));
