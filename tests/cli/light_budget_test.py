@@ -1,6 +1,6 @@
 """[[budget]] of `raycube measure` (LIGHT 5). Oracles: closed forms of a leaf spread over the ground and of a pile of
 leaves, Lambert's law, the albedo that another estimator finds with seeds of its own, Beer's law under the sun and under
-an even sky, and for a layer of leaves a turbid medium's Monte Carlo written here: no geometry, own draws.
+a uniform sky, and for a layer of leaves a turbid medium's Monte Carlo written here: no geometry, own draws.
 usage: light_budget_test.py RAYCUBE SCENES [--full]; canopies with --full alone."""
 
 import json
