@@ -1,11 +1,16 @@
-# raycube_test(name SOURCES a.cpp LIBS lib... LABELS fast|slow|device): one doctest executable that is one ctest test.
-# tests/test_main.cpp supplies main(), compiled once for all. Names of doctest cases carry the S-numbers they show.
+# raycube_test(name SOURCES a.cpp LIBS lib... LABELS fast|slow|device [ALONE]): doctest cases that are one ctest test
+# and a target test_<name> that makes the command build/tests/test_<name>, which runs them alone. tests/test_main.cpp
+# supplies main(), compiled once for all. Names of doctest cases carry the S-numbers they show.
+# With RAYCUBE_UNITY the tests of a group (the variable RAYCUBE_TEST_GROUP) are one executable whose sources are
+# compiled eight at a time (TestUnit.cmake): half of the time of small sources is the same headers over again. ALONE: a
+# test that replaces functions of the C library, or reads its own program's name, has an executable of its own.
 add_library(raycube_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/test_main.cpp)
 target_link_libraries(raycube_test_main PRIVATE raycube_warnings raycube_base)
 # A test's own code runs for moments and is compiled each time, so it is not optimised; what it tests is. Checks that
 # throw end their case instead of being counted. -pthread: some libraries ask for it, and headers that are compiled once
 # want the same options everywhere.
-set(raycube_test_options -O0 -pthread -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS)
+set(raycube_test_options -O0 -pthread -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
+  -DRAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 if(RAYCUBE_UNITY)  # g++ 12 takes what those headers inline for the test's own, and warns of copies that cannot be
   list(APPEND raycube_test_options -Wno-array-bounds -Wno-stringop-overflow)
 endif()
@@ -24,15 +29,56 @@ function(raycube_test_code target)
   endif()
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
 endfunction()
-function(raycube_test name)
-  cmake_parse_arguments(T "" "" "SOURCES;LIBS;LABELS" ${ARGN})
-  add_executable(test_${name} ${T_SOURCES} $<TARGET_OBJECTS:raycube_test_main>)
-  raycube_test_code(test_${name})
+function(raycube_test_program target sources libs)
+  add_executable(${target} ${sources} $<TARGET_OBJECTS:raycube_test_main>)
+  raycube_test_code(${target})
   if(RAYCUBE_UNITY)
-    target_precompile_headers(test_${name} REUSE_FROM raycube_test_main)
+    target_precompile_headers(${target} REUSE_FROM raycube_test_main)
   endif()
-  target_link_libraries(test_${name} PRIVATE ${T_LIBS} raycube_base)
-  target_link_options(test_${name} PRIVATE LINKER:--export-dynamic-symbol=abort)
-  add_test(NAME ${name} COMMAND test_${name})
+  target_link_libraries(${target} PRIVATE ${libs} raycube_base)
+  target_link_options(${target} PRIVATE LINKER:--export-dynamic-symbol=abort)
+endfunction()
+function(raycube_test name)
+  cmake_parse_arguments(T "ALONE" "" "SOURCES;LIBS;LABELS" ${ARGN})
+  if(T_ALONE OR NOT RAYCUBE_UNITY)
+    raycube_test_program(test_${name} "${T_SOURCES}" "${T_LIBS}")
+    add_test(NAME ${name} COMMAND test_${name})
+  else()
+    set(group tests_of_${RAYCUBE_TEST_GROUP})
+    list(TRANSFORM T_SOURCES PREPEND "*/" OUTPUT_VARIABLE cases)
+    list(JOIN cases "," cases)
+    list(TRANSFORM T_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    set_property(GLOBAL APPEND PROPERTY raycube_test_groups ${group})
+    set_property(GLOBAL APPEND PROPERTY ${group}_sources ${T_SOURCES})
+    set_property(GLOBAL APPEND PROPERTY ${group}_libs ${T_LIBS})
+    add_test(NAME ${name} COMMAND ${group} --source-file=${cases})
+    add_custom_target(test_${name} DEPENDS ${group})
+    file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/tests/test_${name}
+      CONTENT "#!/bin/sh\nexec '$<TARGET_FILE:${group}>' '--source-file=${cases}' \"$@\"\n"
+      FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+  endif()
   set_tests_properties(${name} PROPERTIES LABELS "${T_LABELS}" SKIP_RETURN_CODE 77)
+endfunction()
+# raycube_test_groups(): the executables of all groups, once every test is named.
+function(raycube_test_groups)
+  get_property(groups GLOBAL PROPERTY raycube_test_groups)
+  list(REMOVE_DUPLICATES groups)
+  set(script ${PROJECT_SOURCE_DIR}/cmake/TestUnit.cmake)
+  foreach(group IN LISTS groups)
+    get_property(sources GLOBAL PROPERTY ${group}_sources)
+    get_property(libs GLOBAL PROPERTY ${group}_libs)
+    list(REMOVE_DUPLICATES libs)
+    set(units "")
+    while(sources)
+      list(SUBLIST sources 0 8 some)
+      list(REMOVE_ITEM sources ${some})
+      list(LENGTH units number)
+      set(unit ${CMAKE_CURRENT_BINARY_DIR}/units/${group}_${number}.cpp)
+      list(JOIN some "|" joined)
+      add_custom_command(OUTPUT ${unit} COMMAND ${CMAKE_COMMAND} "-DSOURCES=${joined}" -DOUTPUT=${unit} -P ${script}
+        DEPENDS ${some} ${script} VERBATIM)
+      list(APPEND units ${unit})
+    endwhile()
+    raycube_test_program(${group} "${units}" "${libs}")
+  endforeach()
 endfunction()

@@ -9,4 +9,3 @@ endif()
 raycube_test(render_adjacency_solver SOURCES oracle/render_adjacency_solver_test.cpp LIBS raycube_render_support
   raycube::atmos_solver LABELS fast)
 raycube_test(adjacency_option SOURCES unit/adjacency_option_test.cpp LIBS raycube::scene_compiler LABELS fast)
-target_include_directories(test_adjacency_option PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/unit)

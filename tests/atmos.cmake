@@ -8,7 +8,6 @@ raycube_test(solar_choice SOURCES oracle/solar_choice_test.cpp LIBS raycube::atm
 raycube_test(view_zenith SOURCES oracle/view_zenith_test.cpp LIBS raycube::atmos_compiler LABELS fast)
 raycube_test(atmos_rct_file SOURCES unit/rct_file_test.cpp LIBS raycube::atmos_tables nlohmann_json::nlohmann_json
   LABELS fast)
-target_compile_definitions(test_atmos_rct_file PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 add_test(NAME cli_atmos COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/cli/atmos_cli_test.py
   $<TARGET_FILE:raycube>
                                 ${CMAKE_BINARY_DIR}/tests/cli_atmos)

@@ -2,4 +2,3 @@ raycube_test(lidar_options SOURCES unit/lidar_options_test.cpp LIBS raycube::sce
   LABELS fast)
 raycube_test(lidar_bad_input SOURCES unit/lidar_bad_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(lidar_shots SOURCES unit/lidar_shots_test.cpp LIBS raycube::lidar raycube::sensors LABELS fast)
-target_compile_definitions(test_lidar_options PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

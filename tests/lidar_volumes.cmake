@@ -1,6 +1,4 @@
 raycube_test(lidar_volume SOURCES oracle/lidar_volume_test.cpp LIBS raycube::lidar raycube::cl LABELS fast)
-target_compile_definitions(test_lidar_volume PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 raycube_test(volume_input SOURCES unit/volume_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
-target_compile_definitions(test_volume_input PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 raycube_test(lidar_volume_cross SOURCES cross/lidar_volume_cross_test.cpp LIBS raycube::lidar raycube::reference LABELS
   fast)

@@ -1,7 +1,6 @@
 # The reference path, alone: no device is needed.
 raycube_test(double_trace SOURCES oracle/double_trace_test.cpp LIBS raycube_reference raycube_scene_bvh LABELS fast)
 raycube_test(reference_includes SOURCES unit/reference_includes_test.cpp LIBS LABELS fast)
-target_compile_definitions(test_reference_includes PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 raycube_test(reference_radiance SOURCES oracle/reference_radiance_test.cpp LIBS raycube_reference raycube_sensors LABELS
   fast)
 raycube_test(table_model SOURCES oracle/table_model_test.cpp LIBS raycube_reference raycube_atmos_tables LABELS fast)

@@ -13,7 +13,6 @@ raycube_test(scene_compiled_file SOURCES unit/scene_compiled_file_test.cpp LIBS 
 raycube_test(scene_real_input SOURCES unit/scene_real_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_options SOURCES unit/scene_options_test.cpp LIBS raycube::scene_compiler nlohmann_json::nlohmann_json
   LABELS fast)
-target_compile_definitions(test_scene_options PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 add_test(NAME scene_verb COMMAND ${PROJECT_SOURCE_DIR}/tests/cli/scene_verb_test.sh $<TARGET_FILE:raycube>
   ${PROJECT_SOURCE_DIR}/scenes ${CMAKE_BINARY_DIR}/tests/scene_verb)
 set_tests_properties(scene_verb PROPERTIES LABELS fast)

@@ -4,6 +4,7 @@
 #define DOCTEST_CONFIG_NO_POSIX_SIGNALS
 #include <doctest/doctest.h>
 
+#include <cstdio>
 #include <list>
 #include <optional>
 
@@ -11,6 +12,8 @@
 #include "host/base/doing.h"
 
 namespace {
+
+bool none_ran = false;
 
 /// Says which case and which of its parts run, and nothing else.
 class Crumbs : public doctest::IReporter {
@@ -25,7 +28,7 @@ class Crumbs : public doctest::IReporter {
   void subcase_end() override { parts_.pop_back(); }
   void report_query(const doctest::QueryData&) override {}
   void test_run_start() override {}
-  void test_run_end(const doctest::TestRunStats&) override {}
+  void test_run_end(const doctest::TestRunStats& run) override { none_ran = run.numTestCasesPassingFilters == 0; }
   void test_case_exception(const doctest::TestCaseException&) override {}
   void log_assert(const doctest::AssertData&) override {}
   void log_message(const doctest::MessageData&) override {}
@@ -46,5 +49,8 @@ extern "C" [[noreturn]] void abort() noexcept { raycube::base::end_by_abort(); }
 
 int main(int argc, char** argv) {
   raycube::base::install_crash_report();
-  return doctest::Context(argc, argv).run();
+  const int status = doctest::Context(argc, argv).run();
+  if (!none_ran) return status;
+  std::fputs("FAILED: no test case has a name or a source file that was asked for\n", stderr);
+  return 1;
 }

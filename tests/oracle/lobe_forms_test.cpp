@@ -15,7 +15,8 @@
 #include "scene_compiler/measured_file.h"
 #include "tests/unit/scene_files.h"
 
-namespace raycube {
+using namespace raycube;
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -296,5 +297,3 @@ TEST_CASE("S21 measured: records of surfaces point to their tables, each once, b
   CHECK(lobes[0].parameter[1] == lobes[2 * RC_LOBES].parameter[1]);
   CHECK(lobes.size() == 3 * RC_LOBES + 2);  // 14 floats
 }
-
-}  // namespace raycube

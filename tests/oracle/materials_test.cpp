@@ -19,7 +19,8 @@
 #include "tests/support/devices.h"
 #include "tests/support/shape_cases.h"
 
-namespace raycube {
+using namespace raycube;
+
 namespace {
 
 using scene::ShapeEntry;
@@ -419,4 +420,3 @@ TEST_CASE("shapes: what kernels compute is what the reference computes") {
 }
 
 }  // namespace
-}  // namespace raycube

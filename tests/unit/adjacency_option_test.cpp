@@ -1,5 +1,5 @@
 // [atmosphere] adjacency in a simulation file.
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube;
 using namespace raycube::scene;

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "scene_compiler/option_table.h"
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube;
 using namespace raycube::scene;

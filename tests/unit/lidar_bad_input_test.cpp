@@ -1,7 +1,7 @@
 // Bad input of [[lidar]] tables: one clear message per fault, all faults of a file in one run.
 #include <vector>
 
-#include "lidar_files.h"
+#include "tests/unit/lidar_files.h"
 
 using namespace raycube::scene;
 using namespace raycube::scene::testing;

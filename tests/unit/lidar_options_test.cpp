@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "lidar_files.h"
+#include "tests/unit/lidar_files.h"
 #include "scene_compiler/lidar_builder.h"
 
 using namespace raycube::scene;

@@ -1,5 +1,5 @@
 // [plan] in a simulation file: counts fixed by hand.
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube;
 using namespace raycube::scene;

@@ -1,7 +1,7 @@
 // Bad input of REQUIREMENTS section 4, S1-S4: one test per fault, each asserting place, value and way out.
 #include <algorithm>
 
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube::scene;
 using namespace raycube::scene::testing;

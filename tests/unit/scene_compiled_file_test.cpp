@@ -7,7 +7,7 @@
 #include "host/base/sha256.h"
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/scene_info.h"
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 #include "tests/support/same_bytes.h"
 
 using namespace raycube;

@@ -4,7 +4,7 @@
 
 #include "scene_compiler/panels.h"
 #include "scene_compiler/polygon.h"
-#include "scene_triangles.h"
+#include "tests/unit/scene_triangles.h"
 
 using namespace raycube;
 using namespace raycube::scene;

@@ -8,7 +8,7 @@
 
 #include "scene_compiler/option_table.h"
 #include "scene_compiler/owner.h"
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube::scene;
 using namespace raycube::scene::testing;

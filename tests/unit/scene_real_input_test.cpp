@@ -6,7 +6,7 @@
 #include "scene_compiler/mesh_file.h"
 #include "scene_compiler/owner.h"
 #include "scene_compiler/raster.h"
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube;
 using namespace raycube::scene;

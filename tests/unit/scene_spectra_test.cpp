@@ -7,7 +7,7 @@
 #include "scene_compiler/envi_library.h"
 #include "scene_compiler/spectrometer_file.h"
 #include "scene_compiler/spectrum_file.h"
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube;
 using namespace raycube::scene;

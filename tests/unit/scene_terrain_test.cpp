@@ -4,7 +4,7 @@
 #include "scene_compiler/ground.h"
 #include "scene_compiler/raster.h"
 #include "scene_compiler/terrain.h"
-#include "scene_triangles.h"
+#include "tests/unit/scene_triangles.h"
 
 using namespace raycube;
 using namespace raycube::scene;

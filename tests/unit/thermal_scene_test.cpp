@@ -1,6 +1,6 @@
 // Temperatures in a simulation file: fixed per material, with a default, and what is refused (S14).
 #include "scene_compiler/compiled_file.h"
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube;
 using namespace raycube::scene;

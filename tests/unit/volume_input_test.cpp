@@ -6,7 +6,7 @@
 #include "scene_compiler/option_table.h"
 #include "scene_compiler/scene_info.h"
 #include "scene_compiler/volume_spectrum.h"
-#include "scene_files.h"
+#include "tests/unit/scene_files.h"
 
 using namespace raycube::scene;
 using namespace raycube::scene::testing;
