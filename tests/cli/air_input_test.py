@@ -8,7 +8,7 @@ import pathlib
 import sys
 import tempfile
 
-from driver import Program, camera, options
+from driver import Program, camera, options, own_cache
 
 program = Program(sys.argv[1])
 check = program.check
@@ -25,7 +25,7 @@ default_temperature_K = 300
 
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
-    env = {"XDG_CACHE_HOME": str(folder / "cache")}
+    env = {"XDG_CACHE_HOME": own_cache(folder)}
 
     def scene(keys):
         path = folder / "scene.toml"

@@ -3,12 +3,11 @@ never wall times."""
 
 import csv
 import json
-import os
 import pathlib
 import shutil
 import sys
 
-from driver import Program
+from driver import Program, own_cache
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -16,10 +15,7 @@ folder = pathlib.Path(sys.argv[2])
 shutil.rmtree(folder, ignore_errors=True)
 folder.mkdir(parents=True)
 # References are kept here; compiled kernels where they always are.
-env = {
-    "XDG_CACHE_HOME": str(folder / "cache"),
-    "POCL_CACHE_DIR": os.environ.get("POCL_CACHE_DIR", str(pathlib.Path.home() / ".cache/pocl/kcache")),
-}
+env = {"XDG_CACHE_HOME": own_cache(folder)}
 
 SCENE = """format = 1
 bounces = 0

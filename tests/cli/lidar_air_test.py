@@ -11,7 +11,7 @@ import pathlib
 import sys
 import tempfile
 
-from driver import PULSE_AND_RECEIVER, Program, camera, gate, options, record
+from driver import PULSE_AND_RECEIVER, Program, camera, gate, options, own_cache, record
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -200,7 +200,7 @@ def through_plates(work):
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     # A kept table names the profile it was made of, which may be another file of the same content.
-    os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
+    os.environ["XDG_CACHE_HOME"] = own_cache(folder)
     notices(folder)
     no_aerosol(folder)
     tables(folder)

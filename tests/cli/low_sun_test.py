@@ -12,7 +12,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi, record
+from driver import Program, envi, own_cache, record
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -79,7 +79,7 @@ bands = {bands}
 
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
-    cache = {"XDG_CACHE_HOME": str(work / "cache")}
+    cache = {"XDG_CACHE_HOME": own_cache(work)}
     few = '{ first_nm = 440.0, step_nm = 40.0, count = 16, fwhm_nm = 20.0 }'  # of the model whose grid is 1 nm
 
     # Between 88 degrees and the horizon: 2 % of the formula, where a band has light to speak of (1e-4 of the brightest,

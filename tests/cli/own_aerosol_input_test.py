@@ -7,7 +7,7 @@ import pathlib
 import sys
 import tempfile
 
-from driver import Program, camera
+from driver import Program, camera, own_cache
 
 program = Program(sys.argv[1])
 check = program.check
@@ -28,7 +28,7 @@ SPHERES = "optical_depth = 0.3\nmedian_radius_um = [0.1]\ngeometric_sigma = [1.7
 
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
-    env = {"XDG_CACHE_HOME": str(folder / "cache")}
+    env = {"XDG_CACHE_HOME": own_cache(folder)}
 
     def scene(own, keys=""):
         path = folder / "scene.toml"

@@ -14,7 +14,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi, plate, record
+from driver import Program, envi, own_cache, plate, record
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -186,7 +186,7 @@ def line_list(work):
 
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
-    os.environ["XDG_CACHE_HOME"] = str(work / "cache")
+    os.environ["XDG_CACHE_HOME"] = own_cache(work)
     channels(work)
     told(work)
     two_directions(work)

@@ -8,7 +8,7 @@ import sys
 import tempfile
 
 import numpy
-from driver import Program, camera, record
+from driver import Program, camera, own_cache, record
 
 program = Program(sys.argv[1])
 check = program.check
@@ -23,7 +23,7 @@ plane = [{{ material = "plate", size_m = [60, 60] }}]
 
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
-    env = {"XDG_CACHE_HOME": str(folder / "cache")}
+    env = {"XDG_CACHE_HOME": own_cache(folder)}
     table = folder / "air.rct"
 
     def scene(keys, width_nm=10):
