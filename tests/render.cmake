@@ -1,7 +1,7 @@
 add_library(raycube_render_support STATIC support/render_kit.cpp)
 target_link_libraries(raycube_render_support PUBLIC raycube_warnings raycube::render raycube::sensors raycube::plan
                       raycube::scene_bvh raycube::atmos_tables)
-raycube_test(render_shapes SOURCES oracle/render_shapes_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_shapes SOURCES oracle/render_shapes_test.cpp LIBS raycube_render_support LABELS fast LOOPS)
 raycube_test(render_spectral_shapes SOURCES oracle/render_spectral_shapes_test.cpp LIBS raycube_render_support LABELS
   fast)
 raycube_test(render_gloss SOURCES oracle/render_gloss_test.cpp LIBS raycube_render_support LABELS fast)
@@ -28,6 +28,7 @@ raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_rend
   fast)
 raycube_test(render_overflow SOURCES oracle/render_overflow_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_furnace SOURCES oracle/render_furnace_test.cpp LIBS raycube_render_support LABELS slow)
+raycube_full_test(render_furnace "1e8 samples: a minute")
 raycube_test(render_checkerboard SOURCES oracle/render_checkerboard_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp LIBS raycube_test_scenes raycube_render_support
   LABELS fast)
