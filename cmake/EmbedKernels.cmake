@@ -2,6 +2,7 @@
 # Every switch of file gets a #line, so build logs name the real files. Headers (.h) enter once per entry, lists (.def)
 # and what they name as often as they are included. Script form:
 #   cmake -DROOT=dir -DENTRIES=kernels/entry/a.cl|kernels/entry/b.cl -DOUTPUT=file.cpp -P EmbedKernels.cmake
+# -DPREFIX=word: its functions are word_source and word_names; default kernel.
 
 cmake_minimum_required(VERSION 3.23)
 
@@ -47,6 +48,9 @@ function(embed_file path seen_in text_out seen_out)
   set(${seen_out} "${seen}" PARENT_SCOPE)
 endfunction()
 
+if(NOT PREFIX)
+  set(PREFIX kernel)
+endif()
 string(REPLACE "|" ";" ENTRIES "${ENTRIES}")
 set(cpp "// Generated from the kernel sources by cmake/EmbedKernels.cmake.\n#include \"kernels/kernel_source.h\"\n\n")
 string(APPEND cpp "#include \"host/base/error.h\"\n\n")
@@ -60,9 +64,9 @@ foreach(entry IN LISTS ENTRIES)
   string(APPEND cases "  if (name == \"${name}\") return {k_${name}, sizeof(k_${name}) - 1};\n")
   string(APPEND names "\"${name}\", ")
 endforeach()
-string(APPEND cpp "}  // namespace\n\nstd::string_view kernel_source(std::string_view name) {\n${cases}")
+string(APPEND cpp "}  // namespace\n\nstd::string_view ${PREFIX}_source(std::string_view name) {\n${cases}")
 string(APPEND cpp
   "  throw base::Error(base::Fault::bug, \"no embedded kernel source '\" + std::string(name) + \"'\");\n}\n\n")
 string(APPEND cpp
-  "std::vector<std::string_view> kernel_names() { return {${names}}; }\n\n}  // namespace raycube::kernels\n")
+  "std::vector<std::string_view> ${PREFIX}_names() { return {${names}}; }\n\n}  // namespace raycube::kernels\n")
 file(WRITE "${OUTPUT}" "${cpp}")

@@ -5,6 +5,7 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "host/cl/buffer.h"
@@ -34,11 +35,24 @@ struct Write {
   const RawBuffer* buffer;
 };
 
-/// An array of the scene, an argument for each page.
+/// An array of the scene, as kernels/geometry/scene_arrays.h has it: one buffer, or pages of 2^shift elements.
+template <typename T>
+struct PagedBuffer {
+  std::vector<Buffer<T>> pages;  ///< in order, at least one
+  bool paged = false;            ///< kernels are built for RC_MOST_PAGES pages and the shift
+  std::uint32_t shift = 0;
+
+  std::size_t size() const { return pages.size(); }
+  const Buffer<T>& operator[](std::size_t page) const { return pages[page]; }
+  /// How many arguments it is.
+  std::size_t places() const { return paged ? RC_MOST_PAGES + 1 : 1; }
+};
+
+/// An array of the scene in a list of arguments.
 template <typename T>
 struct Pages {
-  Pages(const std::vector<Buffer<T>>& p) : pages(&p) {}
-  const std::vector<Buffer<T>>* pages;
+  Pages(const PagedBuffer<T>& a) : array(&a) {}
+  const PagedBuffer<T>* array;
 };
 
 }  // namespace raycube::cl

@@ -54,12 +54,12 @@ class Kernel {
     return 1;
   }
   template <typename T>
-  static std::size_t places(const std::vector<Buffer<T>>& pages) {
-    return pages.size();
+  static std::size_t places(const PagedBuffer<T>& array) {
+    return array.places();
   }
   template <typename T>
   static std::size_t places(const Pages<T>& array) {
-    return array.pages->size();
+    return array.array->places();
   }
   template <typename T>
   void set_next(cl_uint& index, const T& value) {
@@ -79,11 +79,13 @@ class Kernel {
   }
   template <typename T>
   void set_next(cl_uint& index, const Pages<T>& array) {
-    set_next(index, *array.pages);
+    set_next(index, *array.array);
   }
   template <typename T>
-  void set_next(cl_uint& index, const std::vector<Buffer<T>>& pages) {
-    for (const auto& page : pages) set(index++, page);
+  void set_next(cl_uint& index, const PagedBuffer<T>& array) {
+    if (!array.paged) return set(index++, array[0]);
+    for (std::size_t page = 0; page < RC_MOST_PAGES; ++page) set(index++, array[page < array.size() ? page : 0]);
+    set(index++, cl_uint{array.shift});
   }
   void set_bytes(cl_uint index, const void* value, std::size_t bytes);
   void check_name(const std::string& of_list) const;

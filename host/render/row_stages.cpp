@@ -45,7 +45,7 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
 
 std::vector<float> open_shares(const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape) {
   std::size_t surfaces = 0;
-  for (const auto& page : scene.surfaces) surfaces += page.size();
+  for (const auto& page : scene.surfaces.pages) surfaces += page.size();
   std::vector<float> out(surfaces, 1.0f);
   for (std::size_t surface = 0; shape.sky_shadows && surface < out.size(); ++surface)
     out[surface] = plan.sky.known(surface);

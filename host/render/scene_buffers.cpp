@@ -13,42 +13,40 @@ namespace {
 
 std::string mib(std::uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1) >> 20) + " MiB"; }
 
-/// Calls action(array, name of its build options, name for people) for each of the scene's arrays.
+/// Calls action(array, its name) for each of the scene's arrays.
 template <class Action>
 void for_each_array(const scene::CompiledScene& scene, Action action) {
-  action(scene.nodes, "NODE", "nodes");
-  action(scene.blocks, "BLOCK", "triangles");
-  action(scene.instances, "INSTANCE", "instances");
-  action(scene.surfaces, "SURFACE", "surfaces");
+  action(scene.nodes, "nodes");
+  action(scene.blocks, "triangles");
+  action(scene.instances, "instances");
+  action(scene.surfaces, "surfaces");
 }
 
-/// The device wants at least one element of everything, even of an empty scene.
+/// The device wants at least one element of everything, even of an empty scene. paged: kernels take all arrays so.
 template <class T>
-std::vector<cl::Buffer<T>> upload(const cl::Context& context, const std::vector<T>& from, const char* what,
-                                  std::uint64_t page_bytes) {
+cl::PagedBuffer<T> upload(const cl::Context& context, const std::vector<T>& from, const char* what, bool paged,
+                          std::uint64_t page_bytes) {
   const Paging paging =
       cut_into_pages(from.size(), sizeof(T), context.device().info().max_alloc_bytes, page_bytes).value();
   const std::size_t step = paging.pages == 1 ? from.size() : std::size_t{1} << paging.shift;
   const std::string name = std::string("scene ") + what;
-  std::vector<cl::Buffer<T>> pages;
-  if (from.empty()) pages.emplace_back(context, std::vector<T>(1), cl::Access::read_only, name);
+  // Of an array in one page every index is below 2^31 (kMostElements), so that the shift leads to it.
+  cl::PagedBuffer<T> out{{}, paged, paging.pages == 1 ? 31 : paging.shift};
+  if (from.empty()) out.pages.emplace_back(context, std::vector<T>(1), cl::Access::read_only, name);
   for (std::size_t first = 0; first < from.size(); first += step)
-    pages.emplace_back(context, std::span(from).subspan(first, std::min(step, from.size() - first)),
-                       cl::Access::read_only, name);
-  return pages;
+    out.pages.emplace_back(context, std::span(from).subspan(first, std::min(step, from.size() - first)),
+                           cl::Access::read_only, name);
+  return out;
 }
 
 std::string options_of(const cl::Context& context, const scene::CompiledScene& scene, std::uint64_t page_bytes) {
   const cl::DeviceInfo& device = context.device().info();
   check_fits(scene, device, page_bytes);
-  std::string options;
-  for_each_array(scene, [&](const auto& array, const std::string& name, const char*) {
-    const Paging paging = cut_into_pages(array.size(), sizeof array[0], device.max_alloc_bytes, page_bytes).value();
-    if (paging.pages > 1)
-      options += " -DRC_" + name + "_PAGES=" + std::to_string(paging.pages) + " -DRC_" + name +
-                 "_SHIFT=" + std::to_string(paging.shift);
+  bool paged = false;
+  for_each_array(scene, [&](const auto& array, const char*) {
+    paged |= cut_into_pages(array.size(), sizeof array[0], device.max_alloc_bytes, page_bytes).value().pages > 1;
   });
-  return options;
+  return paged ? " -DRC_PAGED=1" : "";
 }
 
 }  // namespace
@@ -72,7 +70,7 @@ std::optional<Paging> cut_into_pages(std::uint64_t count, std::size_t element_by
 void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device, std::uint64_t page_bytes) {
   std::string too_large;
   std::uint64_t all = 0;
-  for_each_array(scene, [&](const auto& array, const char*, const char* what) {
+  for_each_array(scene, [&](const auto& array, const char* what) {
     constexpr std::size_t each = sizeof array[0];
     const std::uint64_t most = most_elements(each, device.max_alloc_bytes, page_bytes);
     all += array.size() * each;
@@ -100,10 +98,10 @@ scene::Skyline without_cells(const scene::Skyline& skyline) {
 
 SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene, std::uint64_t page_bytes)
     : options(options_of(context, scene, page_bytes)),
-      nodes(upload(context, scene.nodes, "nodes", page_bytes)),
-      blocks(upload(context, scene.blocks, "triangles", page_bytes)),
-      instances(upload(context, scene.instances, "instances", page_bytes)),
-      surfaces(upload(context, scene.surfaces, "surfaces", page_bytes)),
+      nodes(upload(context, scene.nodes, "nodes", !options.empty(), page_bytes)),
+      blocks(upload(context, scene.blocks, "triangles", !options.empty(), page_bytes)),
+      instances(upload(context, scene.instances, "instances", !options.empty(), page_bytes)),
+      surfaces(upload(context, scene.surfaces, "surfaces", !options.empty(), page_bytes)),
       skyline(without_cells(scene.skyline)),
       skyline_cells(context, scene.skyline.cells.empty() ? std::vector<float>(1) : scene.skyline.cells,
                     cl::Access::read_only, "skylines of the ground"),

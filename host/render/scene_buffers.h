@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/cl/arguments.h"
 #include "host/cl/buffer.h"
 #include "scene_compiler/compiled_scene.h"
 
@@ -17,7 +18,7 @@ struct Paging {
   std::uint32_t pages = 1, shift = 0;
 };
 
-constexpr std::uint32_t kMostPages = 8;
+constexpr std::uint32_t kMostPages = RC_MOST_PAGES;
 /// A triangle's number, block * 16 + lane, has 32 bits; the stack of a traversal keeps bit 31 of an index for itself.
 constexpr std::uint64_t kMostElements = std::uint64_t{1} << 28;
 
@@ -45,13 +46,12 @@ struct SceneBuffers {
   /// page_bytes > 0: largest page of every array, at least one element; for tests.
   SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene, std::uint64_t page_bytes = 0);
 
-  /// Build options of the arrays in several pages; empty when each has one.
+  /// Build option of arrays in pages; empty when each is one buffer.
   std::string options;
-  /// Pages in order, at least one.
-  std::vector<cl::Buffer<shared::BvhNode>> nodes;
-  std::vector<cl::Buffer<shared::TriBlock>> blocks;
-  std::vector<cl::Buffer<shared::Instance>> instances;
-  std::vector<cl::Buffer<shared::Surface>> surfaces;
+  cl::PagedBuffer<shared::BvhNode> nodes;
+  cl::PagedBuffer<shared::TriBlock> blocks;
+  cl::PagedBuffer<shared::Instance> instances;
+  cl::PagedBuffer<shared::Surface> surfaces;
   scene::Skyline skyline;           ///< without its cells
   cl::Buffer<float> skyline_cells;  ///< at least one
   cl::Buffer<shared::Lobe> lobes;  ///< [surface][RC_LOBES] where a material does not reflect by Lambert's law, else one

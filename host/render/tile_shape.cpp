@@ -77,7 +77,7 @@ shared::TileShape StageShape::arguments() const {
           .through = count(matter.through),
           .further = count(matter.further),
           .pixels_per_group = count(pixels_per_group),
-          .moving = count(moving),
+          .most_visits = moving ? 0 : RC_NONE,
           .sky_planes = count(sky_planes()),
           .sun = count(sun),
           .components = count(components),

@@ -25,7 +25,6 @@ static inline void rc_primary_alone(SceneArrays scene, const TileShape* tile, Ra
   }
 }
 
-#if RC_BUNDLE
 /* All rays of the group together. false: that costs more than one by one, and nothing is written. */
 static inline bool rc_primary_together(SceneArrays scene, const TileShape* tile, RayGroup group, GroupPlace place,
                                        Sampling sampling, uint seed, uint first_sample, uint sample_count,
@@ -46,7 +45,8 @@ static inline bool rc_primary_together(SceneArrays scene, const TileShape* tile,
   frame.words = words;
 #endif
   for (uint word = 0; word < words; ++word) rc_store16((float16)(0.0f), word, closest.near);
-  if (!rc_primary_group(scene, &frame, RC_PRIMARY_BUDGET(place.used * sample_count), &closest)) return false;
+  const uint budget = min(tile->most_visits, RC_PRIMARY_BUDGET(place.used * sample_count));
+  if (!rc_primary_group(scene, &frame, budget, &closest)) return false;
 #if RC_GRID
   global uint* out = hits + rc_hits_at(tile, place.pixel);
   rc_write_pixels(&frame, closest.near, closest.instance, tile->near, place.used, out, rc_hits_at(tile, 1u));
@@ -66,7 +66,6 @@ static inline bool rc_primary_together(SceneArrays scene, const TileShape* tile,
 #endif
   return true;
 }
-#endif
 
 RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)) {
   SceneArrays scene;
@@ -76,10 +75,9 @@ RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)
   const GroupPlace place = rc_group_place(&tile, groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   const Sampling sampling = RC_GATHER_SAMPLING();
-#if RC_BUNDLE
-  if (!tile.moving && rc_primary_together(scene, &tile, group, place, sampling, seed, first_sample, sample_count, hits))
+  if (tile.most_visits &&
+      rc_primary_together(scene, &tile, group, place, sampling, seed, first_sample, sample_count, hits))
     return;
-#endif
   rc_primary_alone(scene, &tile, group, place, sampling, seed, first_sample, sample_count, hits);
 }
 

@@ -1,7 +1,6 @@
 /* Reads: hits, surface points of make_surface, the scene, the direction to the sun. Writes: one bit per sample, seen or
  * not. Next: trace_sky, shading. */
 #include "kernels/geometry/trace_args.h"
-#include "kernels/geometry/any_hit.h"
 #include "kernels/geometry/samples.h"
 #include "kernels/light/sun_points.h"
 #include "kernels/shared/camera_arguments.h"
@@ -25,7 +24,6 @@ RC_BODY trace_sun_body(uint index, RC_PARAMETERS(RC_TRACE_SUN_ARGUMENTS)) {
   global const float* in = surface + rc_surface_at(&tile, place.pixel);
   global ushort* seen = sun + rc_sun_at(&tile, place.pixel);
   const uint own_words = rc_own_words(&tile);
-#if RC_BUNDLE
   Points points;
   points.costly = 0;
   rc_gather_points(&tile, in, place.used, &points);
@@ -38,22 +36,6 @@ RC_BODY trace_sun_body(uint index, RC_PARAMETERS(RC_TRACE_SUN_ARGUMENTS)) {
     for (uint word = 0; word < own_words; ++word) seen[word] = (ushort)points.live[p * own_words + word];
     rc_copy_to_further(&tile, seen);
   }
-#else
-  for (uint p = 0; p < place.used; ++p, seen += tile.words) {
-    for (uint word = 0; word < own_words; ++word) {
-      global const float* at = rc_surface_word(&tile, in, p * own_words + word);
-      uint lit = rc_mask16(rc_cosines(direction, at) > 0.0f);
-      for (uint left = lit; left; left &= left - 1u) {
-        const uint k = rc_lowest(left);
-        const float4 point =
-            (float4)(at[RC_PLANE(RC_POINT_X) + k], at[RC_PLANE(RC_POINT_Y) + k], at[RC_PLANE(RC_POINT_Z) + k], 0.0f);
-        if (rc_any_hit(scene, point, direction)) lit &= ~(1u << k);
-      }
-      seen[word] = (ushort)lit;
-    }
-    rc_copy_to_further(&tile, seen);
-  }
-#endif
 }
 
 kernel void trace_sun(RC_PARAMETERS(RC_TRACE_SUN_ARGUMENTS)) {

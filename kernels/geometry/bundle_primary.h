@@ -9,9 +9,7 @@
 /* Nodes and blocks that a bundle may visit. It has no order and no end: where its pixels hold whole trees it would walk
  * every leaf of them, and a ray by itself is done after some tens of nodes. A constant; where it is spent in vain the
  * group takes up to four times what single rays alone would (docs/speed.md). It changes time, never a result. */
-#ifndef RC_PRIMARY_BUDGET
 #define RC_PRIMARY_BUDGET(rays) (128u + 16u * (rays))
-#endif
 
 /* frame: rays in the scene frame and the samples; the rest is set here. false: the budget is spent and nothing is
  * found. */

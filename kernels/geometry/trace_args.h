@@ -14,7 +14,6 @@
  *   RC_GRID             of trace_primary: 1: the plain grid over one pixel, which is faster; 0: samples anywhere in the
  *                       field
  *   RC_STACK            CompiledScene::stack_bound() or more
- *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
  *   RC_SHAPED, RC_THROUGH, RC_PLATES, RC_GLOSSY, RC_FURTHER, RC_FURTHER_RECORDS  what the scene's matter may ask for:
  *                       kernels/shared/tile_layout.h
  *   RC_SKELETON         of trace_bounce: wavelengths along paths, whole words
@@ -61,9 +60,6 @@
 #endif
 #ifndef RC_STACK
 #define RC_STACK 128
-#endif
-#ifndef RC_BUNDLE
-#define RC_BUNDLE 1
 #endif
 
 #endif

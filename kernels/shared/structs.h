@@ -5,6 +5,7 @@
 #define RC_NONE 0xFFFFFFFFu /* no instance, no primitive, no surface */
 #define RC_GROUP_WIDTH 4    /* pixels of one line that share a traversal: a constant of the plan, part of the results */
 #define RC_BLOCK 16         /* triangles per leaf block */
+#define RC_MOST_PAGES 8     /* buffers that an array of the scene may come in */
 #define RC_LOBES 6          /* Lobe records of a surface: what it reflects by, four of gloss, what lets light through */
 #define RC_LOBE_BEHIND 5
 #ifdef __OPENCL_C_VERSION__

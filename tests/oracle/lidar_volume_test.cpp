@@ -10,6 +10,7 @@
 #include "host/cl/kernel.h"
 #include "host/lidar/volumes.h"
 #include "kernels/lidar/volume.h"
+#include "tests/support/probes.h"
 
 using namespace raycube;
 using scene::Volume;
@@ -279,19 +280,11 @@ TEST_CASE("every device integrates volumes as the host does") {
     rays.push_back(four(l.from)), rays.push_back(four(l.direction));
     rays.back().w = static_cast<float>(l.length);
   }
-  const std::string source =
-      "#pragma OPENCL FP_CONTRACT OFF\n#include \"kernels/lidar/volume.h\"\n"
-      "kernel void columns(global const LidarVolume* volumes, global const float* values, global const float4* rays, "
-      "uint count, global float* out) {\n"
-      "  const uint i = (uint)get_global_id(0), ray = i / count;\n"
-      "  global const LidarVolume* v = volumes + i % count;\n"
-      "  out[i] = v->strength.x * rc_volume_path(v, values, rays[2 * ray], rays[2 * ray + 1], 0.0f, rays[2 * ray + "
-      "1].w);\n}\n";
   for (cl::Device& device : cl::list_devices()) {
     CAPTURE(device.name());
     const cl::Context context(std::move(device));
-    const cl::Program program(context, "columns", source, "-cl-std=CL1.2 -Werror -I" RAYCUBE_SOURCE_DIR);
-    cl::Kernel kernel(program, "columns");
+    const auto program = test::probes(context);
+    cl::Kernel kernel(*program, "columns");
     const cl::Buffer<shared::LidarVolume> volume_buffer(context, flat.volumes, cl::Access::read_only, "volumes");
     const cl::Buffer<float> values(context, flat.values, cl::Access::read_only, "values");
     const cl::Buffer<shared::rc_float4> ray_buffer(context, rays, cl::Access::read_only, "rays");

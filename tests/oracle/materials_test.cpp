@@ -11,12 +11,12 @@
 #include "host/cl/buffer.h"
 #include "host/cl/kernel.h"
 #include "host/cl/program.h"
-#include "kernels/kernel_source.h"
 #include "kernels/materials/shapes.h"
 #include "scene_compiler/fresnel.h"
 #include "scene_compiler/shape_energy.h"
 #include "scene_compiler/shape_list.h"
 #include "tests/support/devices.h"
+#include "tests/support/probes.h"
 #include "tests/support/shape_cases.h"
 
 using namespace raycube;
@@ -352,20 +352,6 @@ TEST_CASE("a plate's light goes straight on") {
   CHECK(out.z == -in.z);
 }
 
-constexpr const char* kProbe = R"(
-kernel void probe_shapes(global const uint* shape, global const float4* normal, global const float4* in,
-                         global const float4* out, global const float* parameter, global const float* table,
-                         global float4* result) {
-  const size_t i = get_global_id(0);
-  const RcAngles angles = rc_angles(normal[i], in[i], out[i]);
-  RcParameters p;
-  p.table = table;
-  for (int k = 0; k < 6; ++k) p.of[k] = parameter[6 * i + k];
-  result[i] = (float4)(rc_shape_eval(shape[i], 1.0f, p, angles), rc_shape_pdf(shape[i], p, angles),
-                       0.0f, 0.0f);
-}
-)";
-
 TEST_CASE("shapes: what kernels compute is what the reference computes") {
   std::mt19937 random(23);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -397,9 +383,8 @@ TEST_CASE("shapes: what kernels compute is what the reference computes") {
       pdf.push_back(rc_shape_pdf(c.entry->number, p, angles));
     }
   test::on_every_device([&](const cl::Context& context) {
-    const cl::Program program(context, "shapes", std::string(kernels::kernel_source("lidar_shots")) + kProbe,
-                              " -cl-std=CL1.2 -DRC_SHAPED=1");
-    cl::Kernel kernel(program, "probe_shapes");
+    const auto program = test::probes(context);
+    cl::Kernel kernel(*program, "probe_shapes");
     cl::Buffer<std::uint32_t> shapes(context, shape, cl::Access::read_only, "shapes");
     cl::Buffer<shared::rc_float4> n(context, normals, cl::Access::read_only, "normals"),
         i(context, ins, cl::Access::read_only, "in"), o(context, outs, cl::Access::read_only, "out"),

@@ -132,8 +132,8 @@ TEST_CASE("S60 S63 pages of 1 MiB: radiance and truth are the same bytes") {
   render::RenderOptions options;
   options.page_bytes = kMiB;
   const auto paged = test::render_image(simulation, table, options);
-  CHECK(paged.statistics.kernel_variants.front().find("RC_BLOCK_PAGES=") != std::string::npos);
-  CHECK(plain.statistics.kernel_variants.front().find("_PAGES=") == std::string::npos);
+  CHECK(paged.statistics.kernel_variants.front().find("RC_PAGED=1") != std::string::npos);
+  CHECK(plain.statistics.kernel_variants.front().find("RC_PAGED") == std::string::npos);
   CHECK(std::set<float>(plain.radiance.begin(), plain.radiance.end()).size() > plain.radiance.size() / 2);
   CHECK(same_bytes(paged.radiance, plain.radiance));
   CHECK(same_bytes(paged.truth, plain.truth));

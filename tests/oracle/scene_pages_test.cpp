@@ -9,8 +9,8 @@
 #include "host/cl/kernel.h"
 #include "host/render/renderer.h"
 #include "host/render/scene_buffers.h"
-#include "kernels/kernel_source.h"
 #include "tests/support/devices.h"
+#include "tests/support/probes.h"
 #include "tests/support/same_bytes.h"
 
 namespace {
@@ -40,29 +40,11 @@ scene::CompiledScene numbers(std::size_t nodes, std::size_t blocks, std::size_t 
   return scene;
 }
 
-const char kReadAll[] = R"(
-kernel void read_all(RC_NODES, RC_BLOCKS, RC_INSTANCES, RC_SURFACES, global BvhNode* nodes, global TriBlock* blocks,
-                     global Instance* instances, global Surface* surfaces, uint node_count, uint block_count,
-                     uint instance_count, uint surface_count) {
-  SceneArrays scene;
-  RC_GATHER_NODES(scene);
-  RC_GATHER_BLOCKS(scene);
-  RC_GATHER_INSTANCES(scene);
-  RC_GATHER_SURFACES(scene);
-  const uint at = get_global_id(0);
-  if (at < node_count) nodes[at] = *rc_node(scene, at);
-  if (at < block_count) blocks[at] = *rc_block(scene, at);
-  if (at < instance_count) instances[at] = *rc_instance(scene, at);
-  if (at < surface_count) surfaces[at] = *rc_surface(scene, at);
-}
-)";
-
 /// What kernels read at every index of every array.
 scene::CompiledScene read_on_device(const scene::CompiledScene& scene, std::size_t page_bytes) {
   const render::SceneBuffers buffers(first_context(), scene, page_bytes);
-  const cl::Program program(first_context(), "read_all", std::string(kernels::kernel_source("trace_light")) + kReadAll,
-                            "-cl-std=CL1.2" + buffers.options);
-  cl::Kernel kernel(program, "read_all");
+  const auto program = test::probes(first_context(), buffers.options);
+  cl::Kernel kernel(*program, "read_all");
   cl::Buffer<shared::BvhNode> nodes(first_context(), scene.nodes.size(), cl::Access::write_only, "nodes read");
   cl::Buffer<shared::TriBlock> blocks(first_context(), scene.blocks.size(), cl::Access::write_only, "blocks read");
   cl::Buffer<shared::Instance> instances(first_context(), scene.instances.size(), cl::Access::write_only,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,9 @@ class BruteTrace {
   const cl::Context& context_;
   TraceShape shape_;
   std::uint32_t count_;
-  cl::Program program_;
+  std::shared_ptr<const cl::Program> program_;
   cl::Kernel primary_, sun_;
+  cl::Buffer<shared::BvhNode> nodes_;
   cl::Buffer<shared::TriBlock> blocks_;
   cl::Buffer<shared::Instance> instances_;
   cl::Buffer<std::uint32_t> ranges_;

@@ -9,6 +9,7 @@
 #include "host/render/tile_shape.h"
 #include "kernels/kernel_source.h"
 #include "kernels/sampling/sampler.h"
+#include "tests/support/probes.h"
 
 namespace raycube::test {
 
@@ -26,14 +27,16 @@ render::StageShape stage_shape(const TraceShape& s) {
 }
 }  // namespace
 
-shared::TileShape TraceShape::arguments() const { return stage_shape(*this).arguments(); }
+shared::TileShape TraceShape::arguments() const {
+  shared::TileShape tile = stage_shape(*this).arguments();
+  if (!bundle) tile.most_visits = 0;
+  if (visits > 0) tile.most_visits = static_cast<std::uint32_t>(visits);
+  return tile;
+}
 
 std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene, const std::string& kernel) {
   const render::ProgramOptions programs = render::program_options(stage_shape(s), scene.stack_bound(), true);
-  std::string options = kernel == "trace_primary" ? programs.primary : programs.trace;
-  if (!s.bundle) options += " -DRC_BUNDLE=0";
-  if (s.visits > 0) options += " -DRC_PRIMARY_BUDGET(rays)=" + std::to_string(s.visits) + "u";
-  return options;
+  return kernel == "trace_primary" ? programs.primary : programs.trace;
 }
 
 HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32_t number, std::uint32_t p,
@@ -194,7 +197,19 @@ void TraceChain::set_surface(std::span<const float> points) {
   own_points_ = true;
 }
 
+std::vector<std::uint16_t> TraceChain::sun_alone(const shared::rc_float4& direction) {
+  const auto program = probes(context_, scene_.options);
+  cl::Kernel alone(*program, "sun_alone");
+  const cl::Buffer<std::uint32_t> no_ranges(context_, 1, cl::Access::read_only, "no blocks");
+  alone.arguments(scene_.nodes, scene_.blocks, scene_.instances, no_ranges, cl_uint{0}, cl_uint{0}, surface_, sun_mask_,
+                  shape_.arguments(), direction);
+  context_.launch(alone, shape_.pixels());
+  context_.finish();
+  return sun_mask_.read_all();
+}
+
 std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
+  if (!shape_.bundle) return sun_alone(direction);
   kernel("trace_sun")
       .arguments(render::TraceSunArguments{.tile = shape_.arguments(),
                                            .nodes = scene_.nodes,

@@ -22,7 +22,8 @@ struct TraceShape {
   int sampler = 0;  ///< RC_SAMPLER_*
   float support = 1;
   int pixels_per_group = RC_GROUP_WIDTH;
-  bool moving = false, bundle = true;
+  bool moving = false;
+  bool bundle = true;  ///< false: every ray by itself, first ones and those to the sun
   int visits = 0;  ///< after which a bundle of primary rays gives way to single rays; 0: as the kernels have it
   int components = 0, thermal_components = 0;  ///< of the sky, all; of them the thermal ones, surroundings last
   std::uint32_t seed = 1;
@@ -99,6 +100,7 @@ class TraceChain {
 
  private:
   cl::Kernel& kernel(const std::string& name);
+  std::vector<std::uint16_t> sun_alone(const shared::rc_float4& direction);
   std::uint32_t skyline_instance() const;
   const cl::Context& context_;
   TraceShape shape_;

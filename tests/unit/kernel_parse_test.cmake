@@ -47,26 +47,24 @@ set(matter -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_PLATES=1 -DRC_GLOSSY=1)
 set(further ${matter} -DRC_FURTHER=8 -DRC_FURTHER_RECORDS=8)
 string(REPLACE ";" " " matter "${matter}")
 string(REPLACE ";" " " further "${further}")
-set(pages "-DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10")
 set(failures "")
 foreach(packed IN ITEMS
     "probe_structs.cl -"
-    "trace_primary.cl -" "trace_primary.cl -DRC_GRID=1" "trace_primary.cl -DRC_BUNDLE=0" "trace_primary.cl ${pages}"
-    "trace_primary.cl -DRC_GRID=1 ${pages} -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
+    "trace_primary.cl -" "trace_primary.cl -DRC_GRID=1" "trace_primary.cl -DRC_PAGED=1"
+    "trace_primary.cl -DRC_GRID=1 -DRC_PAGED=1"
     "trace_primary.cl -DRC_CHUNK_SAMPLES=48"
     "trace_light.cl -" "trace_light.cl -DRC_THROUGH=1" "trace_light.cl ${matter}" "trace_light.cl ${further}"
-    "trace_light.cl -DRC_FURTHER_RECORDS=8 -DRC_THROUGH=1" "trace_light.cl -DRC_BUNDLE=0"
-    "trace_light.cl ${further} -DRC_BUNDLE=0" "trace_light.cl -DRC_THROUGH=1 ${pages}"
+    "trace_light.cl -DRC_FURTHER_RECORDS=8 -DRC_THROUGH=1" "trace_light.cl -DRC_THROUGH=1 -DRC_PAGED=1"
     "trace_light.cl -DRC_CHUNK_SAMPLES=48 -DRC_MOST_LIGHTS=3"
     "trace_bounce.cl -" "trace_bounce.cl -DRC_SKELETON=32" "trace_bounce.cl -DRC_THROUGH=1" "trace_bounce.cl ${matter}"
     "trace_bounce.cl ${further} -DRC_SKELETON=32"
     "rows.cl -" "rows.cl -DRC_THROUGH=1" "rows.cl ${matter}" "rows.cl ${further}"
     "rows.cl -DRC_FURTHER_RECORDS=8 -DRC_THROUGH=1" "rows.cl -DRC_CHUNK_SAMPLES=48 -DRC_MOST_LIGHTS=3"
-    "rows.cl -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15"
+    "rows.cl -DRC_PAGED=1"
     "trace_photons.cl -DRC_STACK=96"
-    "trace_photons.cl -DRC_STACK=96 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12"
+    "trace_photons.cl -DRC_STACK=96 -DRC_SHAPED=1 -DRC_THROUGH=1 -DRC_PAGED=1"
     "lidar_shots.cl -" "lidar_shots.cl -DRC_FEATURES=RC_FEATURES_PLAIN -DRC_ROW_WINDOW=4096"
-    "lidar_shots.cl -DRC_FEATURES=RC_FEATURES_SURVEY -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=4"
+    "lidar_shots.cl -DRC_FEATURES=RC_FEATURES_SURVEY -DRC_PAGED=1"
     "lidar_shots.cl -DRC_FEATURES=RC_FEATURES_ALL -DRC_MOST_LINES=16"
     "lidar_air.cl -" "lidar_air.cl -DRC_FEATURES=RC_FEATURES_ALL -DRC_MOST_LINES=16" "lidar_beam.cl -"
     "lidar_beam.cl -DRC_FEATURES=RC_FEATURES_ALL")

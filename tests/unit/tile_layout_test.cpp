@@ -12,35 +12,11 @@
 #include "host/render/camera_arguments.h"
 #include "host/render/tile_shape.h"
 #include "kernels/kernel_source.h"
+#include "tests/support/probes.h"
 
 namespace {
 
 using namespace raycube;
-
-constexpr const char* kProbe = R"(
-kernel void probe_layout(TileShape tile, global ulong* at) {
-  at[0] = RC_WORD * tile.words;
-  at[1] = rc_near_words(&tile);
-  at[2] = rc_hits_at(&tile, 3);
-  at[3] = rc_surface_at(&tile, 3);
-  at[4] = rc_lift_at(&tile, 3);
-  at[5] = rc_sun_at(&tile, 3);
-  at[6] = rc_met_sky_at(&tile, 3);
-  at[7] = rc_sums_of_key(&tile, 1);
-  at[8] = rc_sums_at(&tile, 3, 16);
-  at[9] = rc_path_at(&tile, 3);
-  at[10] = rc_truth_at(&tile, 3);
-  at[11] = rc_glow_at(&tile, 3, 2);
-  at[12] = rc_group_of(37, 10, tile.pixels_per_group);
-  const uint slot = 16 * tile.words - 3;
-  at[13] = rc_hits_slot(5) + RC_PLANE(RC_HIT_PRIMITIVE);
-  at[14] = rc_surface_slot(slot) + RC_PLANE(RC_NORMAL_Z);
-  at[15] = rc_met_slot(&tile, slot) + RC_PLANE(1);
-  at[16] = rc_sample_of(&tile, slot);
-  at[17] = rc_side_of(&tile, slot);
-  at[18] = rc_slot_of_side(&tile, at[16], at[17]);
-}
-)";
 
 render::StageShape shape_of(int chunk_samples, int chunks, int components, int thermal, int heights) {
   render::StageShape shape;
@@ -63,13 +39,11 @@ render::StageShape two_sided(render::StageShape shape) {
 TEST_CASE("tile layout: kernels and host agree on planes, strides and sizes, whatever the shape") {
   for (cl::Device& device : cl::list_devices()) {
     const cl::Context context(std::move(device));
-    const bool on_cpu = context.device().info().is_cpu;
     for (const render::StageShape& shape :
          {shape_of(121, 1, 4, 0, 2), two_sided(shape_of(121, 1, 4, 0, 2)), shape_of(16, 3, 0, 0, 1),
           shape_of(7, 1, 5, 1, 3), shape_of(1000, 2, 8, 4, 5)}) {
       CAPTURE(shape.chunk_samples);
-      const auto program = context.program("layout", std::string(kernels::kernel_source("rows")) + kProbe,
-                                           render::program_options(shape, 92, on_cpu).rows + " -Werror");
+      const auto program = test::probes(context, render::matter_options(shape.matter));
       cl::Kernel kernel(*program, "probe_layout");
       cl::Buffer<std::uint64_t> found(context, 19, cl::Access::read_write, "layout");
       kernel.arguments(shape.arguments(), found);
