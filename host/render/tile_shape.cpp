@@ -114,6 +114,17 @@ std::string matter_options(const scene::CameraMatter& matter) {
   return out;
 }
 
+namespace {
+
+/// Wavelengths that paths have room for. One word of them is a program of its own, whose loops have no end to ask for
+/// and which most scenes take.
+int path_room(int wavelengths, bool on_cpu) {
+  constexpr int kMost = 128;  // that a plan has
+  return wavelengths <= RC_WORD || !on_cpu ? wavelengths : std::max(wavelengths, kMost);
+}
+
+}  // namespace
+
 ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound, bool on_cpu) {
   std::string all = "-cl-std=CL1.2";
   if (!on_cpu)
@@ -123,7 +134,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   // The plain grid has bundles of its own; where rays go one by one, how samples lie is no matter of the program.
   const bool grid = !shape.moving && shape.sampler == scene::SamplerKind::grid && shape.support_px == 1;
   ProgramOptions out{all + stack + define("RC_GRID", int{grid}), all + stack + matter, "", all + matter};
-  if (shape.bounces) out.paths = out.trace + define("RC_SKELETON", shape.skeleton_padded());
+  if (shape.bounces) out.paths = out.trace + define("RC_SKELETON", path_room(shape.skeleton_padded(), on_cpu));
   return out;
 }
 

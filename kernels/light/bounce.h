@@ -22,7 +22,7 @@ static inline void rc_gain_mirrored(SceneArrays scene, const PathTables* t, uint
   rc_carry_on(scene, t, surface, RC_GLOSS_SIDE,
               irradiance * rc_gloss_factor(t->lobes, rc_gloss_of(t->lobes, surface), normal, in, out), more, carried,
               light);
-  for (uint m = 0; m < RC_SKELETON; ++m) gained[m] = fma(share ? share[m] : 1.0f, light[m], gained[m]);
+  for (uint m = 0; m < rc_wavelengths(t); ++m) gained[m] = fma(share ? share[m] : 1.0f, light[m], gained[m]);
 }
 #endif
 
@@ -55,7 +55,7 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
     float light[RC_SKELETON];
     rc_carry_on(scene, t, ends->surface[k], side[i], factor, more, paths->carried[k], light);
     float share[RC_SKELETON];
-    for (uint m = 0; m < RC_SKELETON; ++m) {
+    for (uint m = 0; m < rc_wavelengths(t); ++m) {
       share[m] = t->source_share[m];
       if (RC_PLATES && hidden >> i & 1u) share[m] *= let[m];
       paths->gained[k][m] = fma(share[m], light[m], paths->gained[k][m]);
@@ -90,8 +90,8 @@ __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const Pat
       if (side == 0u) factor *= rc_shape_factor(t->lobes, surface, normal, lamp.direction, back);
       float light[RC_SKELETON];
       rc_carry_on(scene, t, surface, side, factor, more, paths->carried[k], light);
-      float* gained = paths->gained[k] + (1u + source) * RC_SKELETON;
-      for (uint m = 0; m < RC_SKELETON; ++m) gained[m] += light[m];
+      float* gained = paths->gained[k] + (1u + source) * rc_wavelengths(t);
+      for (uint m = 0; m < rc_wavelengths(t); ++m) gained[m] += light[m];
 #if RC_GLOSSY
       if (side == 0u)
         rc_gain_mirrored(scene, t, surface, normal, lamp.direction, back, lamp.irradiance, 0, paths->carried[k],
@@ -108,10 +108,10 @@ static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
   if (components == 0u) return;
   float light[RC_SKY_COMPONENTS];
   rc_sky_light(&t->sky, paths->rays.dx[k], paths->rays.dy[k], paths->rays.dz[k], light);
-  for (uint m = 0; m < RC_SKELETON; ++m) {
+  for (uint m = 0; m < rc_wavelengths(t); ++m) {
     float sky = 0.0f;
     for (uint c = 0; c < components; ++c)
-      sky = fma(light[c], t->source_share[(t->tile->sun + c) * RC_SKELETON + m], sky);
+      sky = fma(light[c], t->source_share[(t->tile->sun + c) * rc_wavelengths(t) + m], sky);
     paths->gained[k][m] = fma(3.14159265f * sky, paths->carried[k][m], paths->gained[k][m]);
   }
 }
@@ -120,7 +120,7 @@ static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
  * as the scene does, so that light below a lawn comes from nowhere. */
 static inline void rc_gain_ground(const PathTables* t, uint k, Paths16* paths) {
   if (!(paths->rays.z[k] > t->lowest)) return;
-  for (uint m = 0; m < RC_SKELETON; ++m)
+  for (uint m = 0; m < rc_wavelengths(t); ++m)
     paths->gained[k][m] = fma(t->ground_around[m], paths->carried[k][m], paths->gained[k][m]);
 }
 
@@ -233,7 +233,7 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
     if (t->log_paths) rc_step_of(t, paths, k, t->levels)->decided |= hidden >> k & 1u ? RC_STEP_MET : 0u;
     float let[RC_SKELETON];
     if (hidden >> k & 1u && !(rays.dz[k] > 0.0f && rc_let_by_plates(scene, t, &rays, k, let))) continue;
-    for (uint m = 0; RC_PLATES && hidden >> k & 1u && m < RC_SKELETON; ++m) paths->carried[k][m] *= let[m];
+    for (uint m = 0; RC_PLATES && hidden >> k & 1u && m < rc_wavelengths(t); ++m) paths->carried[k][m] *= let[m];
     rc_gain_sky(t, k, paths);
   }
 }

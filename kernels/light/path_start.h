@@ -70,7 +70,7 @@ static inline void rc_put_first_plate(const PathTables* t, First16* first, uint 
 }
 
 /* Sunlight that comes to where a path begins through plates alone, and goes to the viewer by the side that the path
- * leaves; added to what is gained, [RC_SKELETON]. at: the pixel's planes of surface. False: there is none. */
+ * leaves; added to what is gained, [rc_wavelengths]. at: the pixel's planes of surface. False: there is none. */
 __attribute__((noinline)) static bool rc_gain_first_sun(SceneArrays scene, const PathTables* t, const First16* first,
                                                         uint i, global const float* at, float* gained) {
   const uint slot = first->slot[i], side = first->side[i], surface = first->surface[i];
@@ -87,7 +87,7 @@ __attribute__((noinline)) static bool rc_gain_first_sun(SceneArrays scene, const
   rc_further_factors(t->tile, t->lobes, at, slot, side, t->sun, factor, more);
   if (side != RC_FAR_SIDE) factor *= rc_spread(t->lobes, here, t->sun);
   rc_carry_on(scene, t, surface, side, factor, more, let, let);
-  for (uint m = 0; m < RC_SKELETON; ++m) gained[m] = fma(t->source_share[m], let[m], gained[m]);
+  for (uint m = 0; m < rc_wavelengths(t); ++m) gained[m] = fma(t->source_share[m], let[m], gained[m]);
   return true;
 }
 #endif
@@ -117,7 +117,7 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     rc_put_ray(&paths->rays, k, (float4)(first->rays.x[i], first->rays.y[i], first->rays.z[i], 0.0f), way);
     paths->number[k] = first_number + first->pixel[i], paths->path[k] = first->path[i];
     float unit[RC_SKELETON], factor = first->weight[i], more[1 + RC_FURTHER];
-    for (uint m = 0; m < RC_SKELETON; ++m) unit[m] = 1.0f;
+    for (uint m = 0; m < rc_wavelengths(t); ++m) unit[m] = 1.0f;
     global const float* points = in + rc_surface_at(t->tile, first->pixel[i]);
     rc_further_factors(t->tile, t->lobes, points, first->slot[i], first->side[i], way, factor, more);
 #if RC_SHAPED
