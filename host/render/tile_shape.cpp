@@ -47,6 +47,8 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.components = plan.components();
   shape.lamps = plan.lamps.sources();
   shape.matter = plan.matter;
+  shape.lambertian = !plan.matter.shaped && plan.matter.further_records > 0;
+  if (shape.lambertian) shape.matter.shaped = true;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
   shape.lobe_albedo = plan.matter.shaped && !plan.thermal.albedo_at.empty();

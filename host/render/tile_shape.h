@@ -39,6 +39,7 @@ struct StageShape {
   int bands_padded = 0;
   bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
   scene::CameraMatter matter;
+  bool lambertian = false;     ///< all reflects by Lambert's law here, whatever the program could do
   bool lobe_albedo = false;    ///< emission goes by the angle
   bool bounces = false;        ///< light comes by surfaces after the first
   int skeleton = 0;            ///< wavelengths along its paths
@@ -79,7 +80,9 @@ inline std::size_t row_capacity_of(const StageShape& shape, int given) {
   return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(given);
 }
 
-/// Throws Error(input) when the sampler cannot be cut into chunks (a grid wider than kMaxChunkSamples).
+/// A scene that has BSDFs which change with wavelength is always rendered by the programs that know them, so that a
+/// plan without them (planner::measure_open_share) compiles no others; then lambertian is set. Throws Error(input) when
+/// the sampler cannot be cut into chunks (a grid wider than kMaxChunkSamples).
 StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group);
 
 /// Build options of a camera's programs.

@@ -14,6 +14,8 @@
 #include "host/render/camera_arguments.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/kernel_source.h"
+#include "kernels/materials/shapes.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::render {
 
@@ -102,6 +104,16 @@ std::string identity_of(const char* program, const std::string& options) {
   return program + ("\n" + options) + "\n" + std::string(kernels::kernel_source(program));
 }
 
+/// Records of BSDFs by which every surface reflects as Lambert's law has it and lets through what it does.
+std::vector<shared::Lobe> lambertian_lobes(const scene::CompiledScene& scene) {
+  std::vector<shared::Lobe> lobes = scene::camera_lobes(scene);
+  const std::size_t records = scene::lobe_records(scene);
+  lobes.resize(std::max(lobes.size(), scene.surfaces.size() * records));
+  for (std::size_t surface = 0; surface < scene.surfaces.size(); ++surface)
+    lobes[surface * records] = {.shape = RC_SHAPE_lambert, .share = 1, .parameter = {}};
+  return lobes;
+}
+
 StageShape without_sky(StageShape shape) {
   shape.components = shape.thermal_components = shape.lamps = 0, shape.bounces = false;
   return shape;
@@ -157,11 +169,14 @@ struct TraceStages::State {
         sky_map(context_, plan_),
         lamp_tables(context_, plan_.lamps),
         open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {
+    if (shape.lambertian)
+      own_lobes.emplace(context, lambertian_lobes(scene), cl::Access::read_only, "Lambertian surfaces");
     if (shape.lamps > 0) lamps.emplace(*program, "trace_lamps");
     if (shape.first_opaque) opaque.emplace(*program, "first_opaque");
     if (shape.bounces) paths.emplace(context, path_options, plan, shape, std::move(weights_));
   }
 
+  const cl::Buffer<shared::Lobe>& lobes() const { return own_lobes ? *own_lobes : buffers.lobes; }
   ProgramOptions options_of(const StageShape& of, const scene::CompiledScene& scene) const {
     return program_options(of, scene.stack_bound(), context.device().info().is_cpu);
   }
@@ -233,7 +248,7 @@ struct TraceStages::State {
                           .nodes = buffers.nodes,
                           .blocks = buffers.blocks,
                           .instances = buffers.instances,
-                          .lobes = buffers.lobes,
+                          .lobes = lobes(),
                           .groups = traced.groups,
                           .hits = traced.hits,
                           .surface = traced.surface,
@@ -271,7 +286,7 @@ struct TraceStages::State {
                                                 .nodes = buffers.nodes,
                                                 .blocks = buffers.blocks,
                                                 .instances = buffers.instances,
-                                                .lobes = buffers.lobes,
+                                                .lobes = lobes(),
                                                 .groups = traced.groups,
                                                 .hits = traced.hits,
                                                 .surface = traced.surface,
@@ -297,7 +312,7 @@ struct TraceStages::State {
         .blocks = buffers.blocks,
         .instances = buffers.instances,
         .surfaces = buffers.surfaces,
-        .lobes = buffers.lobes,
+        .lobes = lobes(),
         .scattering = paths->scattering,
         .skeleton_curve = paths->curve,
         .albedo_at = paths->albedo_at,
@@ -360,7 +375,8 @@ struct TraceStages::State {
   SkyMapBuffers sky_map;
   LampBuffers lamp_tables;
   cl::Buffer<float> open_share;
-  std::optional<cl::Kernel> lamps;  ///< trace_lamps, where there are any
+  std::optional<cl::Buffer<shared::Lobe>> own_lobes;  ///< where all is taken for Lambertian
+  std::optional<cl::Kernel> lamps;                    ///< trace_lamps, where there are any
   std::optional<PathStage> paths;
   std::optional<cl::Kernel> opaque;  ///< first_opaque, where the shape has it
   const void* zeroed = nullptr;      ///< buffers whose unused visibility has been cleared
@@ -412,7 +428,7 @@ void TraceStages::run_first_opaque(const TileLayout& layout, int chunk, const Tr
                                                             .nodes = s.buffers.nodes,
                                                             .blocks = s.buffers.blocks,
                                                             .instances = s.buffers.instances,
-                                                            .lobes = s.buffers.lobes,
+                                                            .lobes = s.lobes(),
                                                             .groups = traced.groups,
                                                             .hits = traced.hits,
 
@@ -456,7 +472,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
   launch("make_surface", s.surface.arguments(MakeSurfaceArguments{.tile = s.tile,
                                                                   .blocks = s.buffers.blocks,
                                                                   .instances = s.buffers.instances,
-                                                                  .lobes = s.buffers.lobes,
+                                                                  .lobes = s.lobes(),
                                                                   .groups = traced.groups,
                                                                   .hits = traced.hits,
                                                                   .surface = traced.surface,
