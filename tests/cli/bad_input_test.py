@@ -22,7 +22,7 @@ kMesh = (
     'mesh = [{ name = "m", file = "m.obj", material = "dark" }]\ninstance = [{ mesh = "m" }]\nplane = [',
 )
 kRaster = ("plane = [", 'terrain = [{ raster = "dem.img", material = "dark" }]\nplane = [')
-kAir = ('{ model = "none" }', "{ aod_550 = 0.1 }")
+kAir = ('{ model = "none" }', "{ aod_550 = 0.1, spectral_step_nm = 20.0 }")
 kSun = "sun = { zenith_deg = 40.0, azimuth_deg = 150.0 }"
 kSquare = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
