@@ -3,7 +3,7 @@ target_link_libraries(raycube_render_support PUBLIC raycube_warnings raycube::re
                       raycube::scene_bvh raycube::atmos_tables)
 raycube_test(render_shapes SOURCES oracle/render_shapes_test.cpp LIBS raycube_render_support LABELS fast LOOPS)
 raycube_test(render_spectral_shapes SOURCES oracle/render_spectral_shapes_test.cpp LIBS raycube_render_support LABELS
-  fast)
+  fast LOOPS)
 raycube_test(render_gloss SOURCES oracle/render_gloss_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_lamps SOURCES oracle/render_lamps_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_leaves SOURCES oracle/render_leaves_test.cpp LIBS raycube_render_support LABELS fast)

@@ -4,7 +4,8 @@ raycube_test(thermal_scene SOURCES unit/thermal_scene_test.cpp LIBS raycube::sce
 raycube_test(render_thermal SOURCES oracle/render_thermal_test.cpp LIBS raycube_render_support LABELS fast device)
 raycube_test(render_warm_bounces SOURCES oracle/render_warm_bounces_test.cpp
              LIBS raycube::run raycube_test_scenes raycube_render_support LABELS device)
-raycube_test(render_lobe_heat SOURCES oracle/render_lobe_heat_test.cpp LIBS raycube_render_support LABELS fast device)
+raycube_test(render_lobe_heat SOURCES oracle/render_lobe_heat_test.cpp LIBS raycube_render_support LABELS fast
+  device LOOPS)
 raycube_test(lobe_albedo SOURCES oracle/lobe_albedo_test.cpp LIBS raycube::scene_matter LABELS fast LOOPS)
 raycube_test(render_heat SOURCES oracle/render_heat_test.cpp LIBS raycube_render_support LABELS fast device)
 if(TARGET raycube_reference)
