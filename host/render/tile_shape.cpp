@@ -118,11 +118,10 @@ std::string matter_options(const scene::CameraMatter& matter) {
 
 namespace {
 
-/// Wavelengths that paths have room for. One word of them is a program of its own, whose loops have no end to ask for
-/// and which most scenes take.
+/// Wavelengths that paths have room for.
 int path_room(int wavelengths, bool on_cpu) {
   constexpr int kMost = 128;  // that a plan has
-  return wavelengths <= RC_WORD || !on_cpu ? wavelengths : std::max(wavelengths, kMost);
+  return on_cpu ? std::max(wavelengths, kMost) : wavelengths;
 }
 
 }  // namespace

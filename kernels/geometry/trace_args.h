@@ -16,7 +16,7 @@
  *   RC_STACK            CompiledScene::stack_bound() or more
  *   RC_SHAPED, RC_THROUGH, RC_PLATES, RC_GLOSSY, RC_FURTHER, RC_FURTHER_RECORDS  what the scene's matter may ask for:
  *                       kernels/shared/tile_layout.h
- *   RC_SKELETON         of trace_bounce: most wavelengths along paths, whole words; 16: there are as many
+ *   RC_SKELETON         of trace_bounce: most wavelengths along paths, whole words
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
  * both are multiples of samples_u, so that a chunk is whole rows.
  *

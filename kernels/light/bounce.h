@@ -22,7 +22,8 @@ static inline void rc_gain_mirrored(SceneArrays scene, const PathTables* t, uint
   rc_carry_on(scene, t, surface, RC_GLOSS_SIDE,
               irradiance * rc_gloss_factor(t->lobes, rc_gloss_of(t->lobes, surface), normal, in, out), more, carried,
               light);
-  for (uint m = 0; m < rc_wavelengths(t); ++m) gained[m] = fma(share ? share[m] : 1.0f, light[m], gained[m]);
+  for (uint m = 0; m < t->tile->skeleton; m += RC_WORD)
+    rc_add16(share ? vload16(0, share + m) : (float16)(1.0f), vload16(0, light + m), gained + m);
 }
 #endif
 
@@ -55,10 +56,11 @@ __attribute__((noinline, unused)) static void rc_gain_sun(SceneArrays scene, con
     float light[RC_SKELETON];
     rc_carry_on(scene, t, ends->surface[k], side[i], factor, more, paths->carried[k], light);
     float share[RC_SKELETON];
-    for (uint m = 0; m < rc_wavelengths(t); ++m) {
-      share[m] = t->source_share[m];
-      if (RC_PLATES && hidden >> i & 1u) share[m] *= let[m];
-      paths->gained[k][m] = fma(share[m], light[m], paths->gained[k][m]);
+    for (uint m = 0; m < t->tile->skeleton; m += RC_WORD) {
+      float16 sun = vload16(0, t->source_share + m);
+      if (RC_PLATES && hidden >> i & 1u) sun *= vload16(0, let + m);
+      vstore16(sun, 0, share + m);
+      rc_add16(sun, vload16(0, light + m), paths->gained[k] + m);
     }
 #if RC_GLOSSY
     if (side[i] == 0u) {
@@ -90,8 +92,9 @@ __attribute__((noinline)) static void rc_gain_lamps(SceneArrays scene, const Pat
       if (side == 0u) factor *= rc_shape_factor(t->lobes, surface, normal, lamp.direction, back);
       float light[RC_SKELETON];
       rc_carry_on(scene, t, surface, side, factor, more, paths->carried[k], light);
-      float* gained = paths->gained[k] + (1u + source) * rc_wavelengths(t);
-      for (uint m = 0; m < rc_wavelengths(t); ++m) gained[m] += light[m];
+      float* gained = paths->gained[k] + (1u + source) * t->tile->skeleton;
+      for (uint m = 0; m < t->tile->skeleton; m += RC_WORD)
+        vstore16(vload16(0, gained + m) + vload16(0, light + m), 0, gained + m);
 #if RC_GLOSSY
       if (side == 0u)
         rc_gain_mirrored(scene, t, surface, normal, lamp.direction, back, lamp.irradiance, 0, paths->carried[k],
@@ -108,11 +111,11 @@ static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
   if (components == 0u) return;
   float light[RC_SKY_COMPONENTS];
   rc_sky_light(&t->sky, paths->rays.dx[k], paths->rays.dy[k], paths->rays.dz[k], light);
-  for (uint m = 0; m < rc_wavelengths(t); ++m) {
-    float sky = 0.0f;
+  for (uint m = 0; m < t->tile->skeleton; m += RC_WORD) {
+    float16 sky = 0.0f;
     for (uint c = 0; c < components; ++c)
-      sky = fma(light[c], t->source_share[(t->tile->sun + c) * rc_wavelengths(t) + m], sky);
-    paths->gained[k][m] = fma(3.14159265f * sky, paths->carried[k][m], paths->gained[k][m]);
+      sky = fma((float16)(light[c]), vload16(0, t->source_share + (t->tile->sun + c) * t->tile->skeleton + m), sky);
+    rc_add16(3.14159265f * sky, vload16(0, paths->carried[k] + m), paths->gained[k] + m);
   }
 }
 
@@ -120,8 +123,8 @@ static inline void rc_gain_sky(const PathTables* t, uint k, Paths16* paths) {
  * as the scene does, so that light below a lawn comes from nowhere. */
 static inline void rc_gain_ground(const PathTables* t, uint k, Paths16* paths) {
   if (!(paths->rays.z[k] > t->lowest)) return;
-  for (uint m = 0; m < rc_wavelengths(t); ++m)
-    paths->gained[k][m] = fma(t->ground_around[m], paths->carried[k][m], paths->gained[k][m]);
+  for (uint m = 0; m < t->tile->skeleton; m += RC_WORD)
+    rc_add16(vload16(0, t->ground_around + m), vload16(0, paths->carried[k] + m), paths->gained[k] + m);
 }
 
 /* From their ends the live paths go on: by one side or the gloss, chosen by chance, in a direction by the cosine about
@@ -233,7 +236,8 @@ static inline void rc_follow(SceneArrays scene, const PathTables* t, Paths16* pa
     if (t->log_paths) rc_step_of(t, paths, k, t->levels)->decided |= hidden >> k & 1u ? RC_STEP_MET : 0u;
     float let[RC_SKELETON];
     if (hidden >> k & 1u && !(rays.dz[k] > 0.0f && rc_let_by_plates(scene, t, &rays, k, let))) continue;
-    for (uint m = 0; RC_PLATES && hidden >> k & 1u && m < rc_wavelengths(t); ++m) paths->carried[k][m] *= let[m];
+    for (uint m = 0; RC_PLATES && hidden >> k & 1u && m < t->tile->skeleton; m += RC_WORD)
+      vstore16(vload16(0, paths->carried[k] + m) * vload16(0, let + m), 0, paths->carried[k] + m);
     rc_gain_sky(t, k, paths);
   }
 }

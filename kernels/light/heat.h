@@ -51,7 +51,7 @@ static inline void rc_gain_heat(SceneArrays scene, const PathTables* t, uint sur
                                 const float* carried, float* gained) {
   global const Surface* s = rc_surface(scene, surface);
   const EvenLight even = rc_even_light(t, surface, normal, out);
-  for (uint m = 0; m < rc_wavelengths(t); m += 16u) {
+  for (uint m = 0; m < t->tile->skeleton; m += RC_WORD) {
     float16 sent = 0.0f;
     for (uint i = 0; i < 4u; ++i) {
       if (s->material[i] == 0u || s->fraction[i] == 0.0f) continue;

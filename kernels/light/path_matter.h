@@ -22,9 +22,9 @@ typedef struct PathTables {
   const TileShape* tile;
   global const Lobe* lobes;           /* [surface][RC_LOBE_STRIDE] */
   global const float4* scattering;    /* [surface]: x chance of the near side, y largest reflectance + transmittance */
-  global const float* skeleton_curve; /* [curve - 1][rc_wavelengths]; then RC_CURVE_HEAT's where there is heat */
-  global const float* source_share;   /* [sun, components][rc_wavelengths]: a source's light over that of all */
-  global const float* ground_around;  /* [rc_wavelengths]: pi times its radiance over the light of all */
+  global const float* skeleton_curve; /* [curve - 1][skeleton]; then RC_CURVE_HEAT's where there is heat */
+  global const float* source_share;   /* [sun, components][skeleton]: a source's light over that of all */
+  global const float* ground_around;  /* [skeleton]: pi times its radiance over the light of all */
   SkyMap sky;
   float4 sun;   /* direction to it */
   float lowest; /* z of the scene, m */
@@ -37,8 +37,10 @@ typedef struct PathTables {
 #endif
 } PathTables;
 
-/* How many wavelengths go along paths, whole words: where there is room for one word alone it is that. */
-static inline uint rc_wavelengths(const PathTables* t) { return RC_SKELETON == RC_WORD ? RC_WORD : t->tile->skeleton; }
+/* Adds a product to sixteen wavelengths of what is gained. */
+static inline void rc_add16(float16 factor, float16 light, float* gained) {
+  vstore16(fma(factor, light, vload16(0, gained)), 0, gained);
+}
 
 typedef struct Paths16 {
   Rays16 rays;
@@ -76,7 +78,7 @@ static inline void rc_more_factors(const PathTables* t, uint surface, uint side,
 
 static inline float16 rc_curve_at(const PathTables* t, uint role, uint material, uint m) {
   const uint id = rc_curve_id(role, material, t->tile->materials);
-  return vload16(0, t->skeleton_curve + (size_t)(id - 1u) * rc_wavelengths(t) + m);
+  return vload16(0, t->skeleton_curve + (size_t)(id - 1u) * t->tile->skeleton + m);
 }
 
 /* What of light that falls onto a side leaves by scattering, at the skeleton wavelengths, times what is carried.
@@ -84,7 +86,7 @@ static inline float16 rc_curve_at(const PathTables* t, uint role, uint material,
 static inline void rc_carry_on(SceneArrays scene, const PathTables* t, uint surface, uint side, float factor,
                                const float* more, const float* carried, float* out) {
   global const Surface* s = rc_surface(scene, surface);
-  for (uint m = 0; m < rc_wavelengths(t); m += 16u) {
+  for (uint m = 0; m < t->tile->skeleton; m += RC_WORD) {
     float16 curve = 0.0f;
     for (uint i = 0; i < 4u; ++i) {
       if (s->material[i] == 0u || s->fraction[i] == 0.0f) continue;

@@ -70,7 +70,7 @@ static inline void rc_put_first_plate(const PathTables* t, First16* first, uint 
 }
 
 /* Sunlight that comes to where a path begins through plates alone, and goes to the viewer by the side that the path
- * leaves; added to what is gained, [rc_wavelengths]. at: the pixel's planes of surface. False: there is none. */
+ * leaves; added to what is gained, [skeleton]. at: the pixel's planes of surface. False: there is none. */
 __attribute__((noinline)) static bool rc_gain_first_sun(SceneArrays scene, const PathTables* t, const First16* first,
                                                         uint i, global const float* at, float* gained) {
   const uint slot = first->slot[i], side = first->side[i], surface = first->surface[i];
@@ -87,7 +87,8 @@ __attribute__((noinline)) static bool rc_gain_first_sun(SceneArrays scene, const
   rc_further_factors(t->tile, t->lobes, at, slot, side, t->sun, factor, more);
   if (side != RC_FAR_SIDE) factor *= rc_spread(t->lobes, here, t->sun);
   rc_carry_on(scene, t, surface, side, factor, more, let, let);
-  for (uint m = 0; m < rc_wavelengths(t); ++m) gained[m] = fma(t->source_share[m], let[m], gained[m]);
+  for (uint m = 0; m < t->tile->skeleton; m += RC_WORD)
+    rc_add16(vload16(0, t->source_share + m), vload16(0, let + m), gained + m);
   return true;
 }
 #endif
@@ -117,14 +118,14 @@ static inline void rc_begin_paths(SceneArrays scene, const PathTables* t, uint g
     rc_put_ray(&paths->rays, k, (float4)(first->rays.x[i], first->rays.y[i], first->rays.z[i], 0.0f), way);
     paths->number[k] = first_number + first->pixel[i], paths->path[k] = first->path[i];
     float unit[RC_SKELETON], factor = first->weight[i], more[1 + RC_FURTHER];
-    for (uint m = 0; m < rc_wavelengths(t); ++m) unit[m] = 1.0f;
+    for (uint m = 0; m < t->tile->skeleton; m += RC_WORD) vstore16((float16)(1.0f), 0, unit + m);
     global const float* points = in + rc_surface_at(t->tile, first->pixel[i]);
     rc_further_factors(t->tile, t->lobes, points, first->slot[i], first->side[i], way, factor, more);
 #if RC_SHAPED
     if (first->side[i] != RC_FAR_SIDE) factor *= rc_spread(t->lobes, points + rc_surface_slot(first->slot[i]), way);
 #endif
     rc_carry_on(scene, t, first->surface[i], first->side[i], factor, more, unit, paths->carried[k]);
-    for (uint m = 0; m < rc_glow_width(t->tile); ++m) paths->gained[k][m] = 0.0f;
+    for (uint m = 0; m < rc_glow_width(t->tile); m += RC_WORD) vstore16((float16)(0.0f), 0, paths->gained[k] + m);
     bool passed = false, lit = false;
     const bool follow = (hidden & ~none) >> i & 1u, meets = follow && rc_meets(scene, t, paths, k, 0u, &passed);
     if (t->log_paths) {

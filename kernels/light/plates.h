@@ -45,7 +45,7 @@ static inline void rc_carry_through(SceneArrays scene, const PathTables* t, uint
  * skeleton wavelengths. */
 __attribute__((noinline)) static bool rc_behind_plates(SceneArrays scene, const PathTables* t, Rays16* rays, uint k,
                                                        float* let) {
-  for (uint m = 0; m < rc_wavelengths(t); ++m) let[m] = 1.0f;
+  for (uint m = 0; m < t->tile->skeleton; m += RC_WORD) vstore16((float16)(1.0f), 0, let + m);
   for (uint plate = 0; plate < RC_MOST_PLATES; ++plate) {
     const Hit hit = rc_trace_ray(scene, (float4)(rays->x[k], rays->y[k], rays->z[k], 0.0f), rc_way_of(rays, k));
     if (hit.instance == RC_NONE) return true;
@@ -84,8 +84,10 @@ static inline bool rc_passes_plate(SceneArrays scene, const PathTables* t, Paths
       rc_unit_float(rc_hash(t->seed, paths->number[k], (paths->path[k] << 8) + level, RC_PLATE_DIMENSION + plate));
   const bool lost = plate >= RC_MOST_PLATES;
   if (draw >= on || lost) {
-    for (uint m = 0; m < rc_wavelengths(t); ++m)
-      paths->carried[k][m] = lost ? 0.0f : paths->carried[k][m] / (1.0f - on);
+    for (uint m = 0; m < t->tile->skeleton; m += RC_WORD) {
+      const float16 stays = vload16(0, paths->carried[k] + m) / (1.0f - on);
+      vstore16(lost ? (float16)(0.0f) : stays, 0, paths->carried[k] + m);
+    }
     return false;
   }
   rc_carry_through(scene, t, surface, 1.0f / on, paths->carried[k]);
