@@ -21,7 +21,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--begin", action="store_true")
-    parser.add_argument("--most", type=int, default=75)
+    parser.add_argument("--most", type=int, default=40)
     parser.add_argument("--json", type=pathlib.Path)
     given = parser.parse_args()
     if given.begin:
