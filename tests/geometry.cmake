@@ -19,6 +19,7 @@ raycube_test(block_order SOURCES unit/block_order_test.cpp LIBS raycube::scene_b
 raycube_test(tile_layout SOURCES unit/tile_layout_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_leaks SOURCES oracle/trace_leaks_test.cpp LIBS raycube_trace_support LABELS slow)
+raycube_full_test(trace_leaks "1e7 rays at edges and as many over terrain: half a minute")
 raycube_test(trace_ties SOURCES oracle/trace_ties_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_sun SOURCES oracle/trace_sun_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(skyline SOURCES oracle/skyline_test.cpp LIBS raycube_trace_support raycube::reference LABELS fast)
