@@ -26,6 +26,18 @@ raycube_full_cli_test(kernel_cache "a dozen cases find an empty cache, and compi
 raycube_full_cli_test(shapes "every scattering shape twice against the reference's paths, 5 to 10 s each")
 raycube_full_cli_test(light_budget "canopies of photons against a turbid medium and across periods: a minute and more"
   ${PROJECT_SOURCE_DIR}/scenes)
+raycube_full_cli_test(measure "dense canopies and a turbid medium in all directions: three minutes"
+  ${PROJECT_SOURCE_DIR}/scenes)
+raycube_full_cli_test(check_cli "five times the rays, and the failing report again as JSON"
+  ${CMAKE_BINARY_DIR}/tests/park/a)
+raycube_full_cli_test(render_memory "medians of three runs of 74 million samples")
+raycube_full_cli_test(run_files "six runs that compile all kernels, and 24 that are killed")
+raycube_full_cli_test(small_objects "three kinds of samples and three seeds of what one shows")
+raycube_full_cli_test(band_truth "fourteen forms of cubes, twice each")
+raycube_full_cli_test(analyze_targets "a second air")
+raycube_full_cli_test(render_cli "ten seconds of what check_cli does" ${PROJECT_SOURCE_DIR}/scenes)
+raycube_full_cli_test(studies "a second park" ${PROJECT_SOURCE_DIR}/scenes)
+set_tests_properties(check_cli_full PROPERTIES FIXTURES_REQUIRED park)
 add_test(NAME digests COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/golden/digests_test.py
   $<TARGET_FILE:raycube>
                               ${CMAKE_CURRENT_LIST_DIR}/golden/digests)
@@ -37,7 +49,8 @@ raycube_cli_test(render_cli ${PROJECT_SOURCE_DIR}/scenes)
 raycube_cli_test(aim)
 raycube_cli_test(shapes)
 raycube_cli_test(preview)
-raycube_cli_test(check_cli ${PROJECT_SOURCE_DIR}/scenes)
+raycube_cli_test(check_cli ${CMAKE_BINARY_DIR}/tests/park/a)
+set_tests_properties(check_cli PROPERTIES FIXTURES_REQUIRED park)
 raycube_cli_test(explain)
 raycube_cli_test(analyze)
 raycube_cli_test(analyze_edge)

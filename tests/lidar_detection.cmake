@@ -11,6 +11,7 @@ raycube_test(lidar_turbulence SOURCES oracle/lidar_turbulence_test.cpp LIBS rayc
 raycube_test(lidar_scintillation SOURCES oracle/lidar_scintillation_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_dial SOURCES oracle/lidar_dial_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_cli_test(lidar_empty)
+raycube_full_cli_test(lidar_empty "three seeds for each pattern of sub-rays")
 raycube_cli_test(lidar_air)
 raycube_cli_test(lidar_turbulence_run)
 raycube_cli_test(lidar_verbs ${PROJECT_SOURCE_DIR}/scenes)

@@ -5,3 +5,4 @@ raycube_test(study_converged SOURCES oracle/study_converged_test.cpp LIBS raycub
 add_test(NAME chart_cli COMMAND /usr/bin/python3 ${PROJECT_SOURCE_DIR}/tests/cli/chart_test.py $<TARGET_FILE:raycube>
   ${CMAKE_BINARY_DIR}/tests/chart)
 set_tests_properties(chart_cli PROPERTIES LABELS "slow;device")
+raycube_full_cli_test(chart "two charts more against a reference that is kept" ${CMAKE_BINARY_DIR}/tests/chart_full)

@@ -6,10 +6,14 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 
 import numpy
 
 import patience
+
+#: All cases of a test, as ci/test --full asks for; else those of its short form, which the test's head names.
+FULL = "--full" in sys.argv
 
 #: Level ground under a LIDAR: its material and its plane.
 GROUND = """[[material]]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """`raycube render` as users drive it: what it leaves, who can read it, and that it is the same however it was made.
-usage: render_cli_test.py RAYCUBE SCENES"""
+usage: render_cli_test.py RAYCUBE SCENES [--full]. Without --full: no check of the garden, which check_cli has."""
 
 import json
 import pathlib
@@ -11,7 +11,7 @@ import tempfile
 import numpy
 import spectral.io.envi
 import patience
-from driver import Program, envi, header_of, record, scene
+from driver import FULL, Program, envi, header_of, record, scene
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -98,9 +98,8 @@ with tempfile.TemporaryDirectory() as work:
     run("render", work / "garden" / "garden.toml", "-o", work / "garden-out")
     _, header, truth = check_cube(work / "garden-out" / "camera", 64, 64, 98, 50, 160)
     check((layer(header, truth, "hit_fraction") == 1).all() and (layer(header, truth, "abundance_leaf") > 0).sum() > 20)
-    check(
-        "within limits" in run("check", work / "garden" / "garden.toml", "--pixels", 100).stdout
-    )  # what README says to type
+    if FULL:  # what README says to type
+        check("within limits" in run("check", work / "garden" / "garden.toml", "--pixels", 100).stdout)
     shadow = layer(header, truth, "sun_fraction")
     check(shadow.min() == 0 and shadow.max() == 1)
 
@@ -164,7 +163,7 @@ with tempfile.TemporaryDirectory() as work:
     (work / "geo.toml").write_text(
         "format = 1\n"
         + inline
-        + tables.replace('{ model = "none" }', "{ aod_550 = 0.2 }")
+        + tables.replace('{ model = "none" }', "{ aod_550 = 0.2, spectral_step_nm = 20.0 }")
         + 'band_truth = ["transmission"]\n'
     )
     run("render", work / "geo.toml", "-o", work / "geo")
