@@ -58,15 +58,17 @@ kTypes = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4"}
 def _bring(source, target):
     """Kept kernels of one folder, into another that lacks them or has fewer."""
     for file in source.glob("*.kernels"):
-        at = target / file.name
-        if at.exists() and at.stat().st_size >= file.stat().st_size:
-            continue
-        new = target / f".{file.name}-{os.getpid()}"
+        at, new = target / file.name, target / f".{file.name}-{os.getpid()}"
         try:
-            os.link(file, new)
-        except OSError:  # another file system
-            shutil.copy2(file, new)
-        os.replace(new, at)
+            if at.exists() and at.stat().st_size >= file.stat().st_size:
+                continue
+            try:
+                os.link(file, new)
+            except OSError:  # another file system
+                shutil.copy2(file, new)
+            os.replace(new, at)
+        except FileNotFoundError:  # swept meanwhile, by a run beside this one
+            continue
 
 
 _apart = []
