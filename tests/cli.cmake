@@ -31,6 +31,7 @@ raycube_full_cli_test(measure "dense canopies and a turbid medium in all directi
 raycube_full_cli_test(check_cli "five times the rays, and the failing report again as JSON"
   ${CMAKE_BINARY_DIR}/tests/park/a)
 raycube_full_cli_test(render_memory "medians of three runs of 74 million samples")
+raycube_full_cli_test(memory_bound "medians of three runs where one is as good")
 raycube_full_cli_test(run_files "six runs that compile all kernels, and 24 that are killed")
 raycube_full_cli_test(small_objects "three kinds of samples and three seeds of what one shows")
 raycube_full_cli_test(band_truth "fourteen forms of cubes, twice each")

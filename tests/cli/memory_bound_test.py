@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """--memory: what it bounds is kept, what it cannot keep is refused with the least that works, and no file depends on
-it. usage: memory_bound_test.py RAYCUBE"""
+it. usage: memory_bound_test.py RAYCUBE [--full]. With --full peaks are medians of three runs."""
 
 import pathlib
 import sys
 import tempfile
 
 import peak_memory
-from driver import PULSE_AND_RECEIVER, Program, record, scene
+from driver import FULL, PULSE_AND_RECEIVER, Program, record, scene
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -23,7 +23,7 @@ def files(folder):
 
 def peak_bytes(file, out, memory):
     command = [program.path, "render", file, "-o", out, "-q", "--overwrite", "--memory", memory, "--threads", 1]
-    return peak_memory.typical(command)
+    return peak_memory.typical(command, runs=3 if FULL else 1)
 
 
 def least(file, out):
@@ -78,7 +78,7 @@ with tempfile.TemporaryDirectory() as work:
     )
 
     # The bound is kept: what a large image takes beyond a tiny one is within it, and 32 MiB for buffers of writers and
-    # what malloc leaves: 2, 6 and 13 MiB were found, and runs of one budget differ by up to 3.4.
+    # what malloc leaves: 2, 6 and 13 MiB were found, and runs of one budget differ by up to 3.4, a fifth of the rest.
     tiny = peak_bytes(scene(work, "tiny.toml", grid=4, instrument="png = false\nexr = false\n"), work / "t", "2G")
     print(f"the program alone: {tiny / MIB:.0f} MiB")
     large = scene(work, "large.toml", pixels=600, lines=600, grid=4, instrument="png = false\nexr = false\n")
