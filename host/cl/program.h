@@ -11,6 +11,11 @@
 
 namespace raycube::cl {
 
+/// The build option that gives a program a number by name.
+std::string define(const char* name, auto value) {
+  return " -D" + std::string(name) + "=" + std::to_string(value);
+}
+
 class Program {
  public:
   /// Builds `source` with `options`, and with exactly rounded quotients and roots on devices other than CPUs, which

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host/base/error.h"
+#include "host/cl/program.h"
 #include "host/lidar/pulse_lobes.h"
 #include "host/lidar/pulse_moments.h"
 #include "host/render/scene_buffers.h"
@@ -27,7 +28,6 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// faster then.
 constexpr double kNarrow = 2e-5;
 
-std::string define(const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
 
 /// As struct Scatter of kernels/geometry/primary_frame.h, chunk after chunk.
 std::vector<float> bundle_samples(const lidar::Footprint& footprint, int chunk) {
@@ -203,13 +203,13 @@ void set_programs(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   tables.plan[RC_PLAN_FEATURES] = tables.features;
   const bool window = built != Built::all && tables.owner_rows * tables.row_floats <= kRowWindow;
   const std::string standard = " -cl-std=CL1.2", all = standard + " -DRC_FEATURES=RC_FEATURES_ALL",
-                    lines = define("RC_MOST_LINES", room_for(plan));
+                    lines = cl::define("RC_MOST_LINES", room_for(plan));
   tables.shot_options = (built == Built::plain    ? standard + " -DRC_FEATURES=RC_FEATURES_PLAIN"
                          : built == Built::survey ? standard + " -DRC_FEATURES=RC_FEATURES_SURVEY"
                                                   : all) +
-                        define("RC_CHUNK_SAMPLES", kMostBundle) +
-                        define("RC_STACK", kernel_stack(scene.stack_bound())) + lines +
-                        define("RC_ROW_WINDOW", window ? kRowWindow : 0);
+                        cl::define("RC_CHUNK_SAMPLES", kMostBundle) +
+                        cl::define("RC_STACK", kernel_stack(scene.stack_bound())) + lines +
+                        cl::define("RC_ROW_WINDOW", window ? kRowWindow : 0);
   tables.air_options = all + lines;
   tables.beam_options = all;
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/base/error.h"
+#include "host/cl/program.h"
 #include "host/render/scene_buffers.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
@@ -99,20 +100,15 @@ shared::TileShape StageShape::arguments() const {
           .plates = count(matter.plates)};
 }
 
-namespace {
-
-std::string define(const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
-
-}  // namespace
-
 std::string matter_options(const scene::CameraMatter& matter) {
   std::string out;
   if (matter.shaped)
-    out = define("RC_SHAPED", 1) + define("RC_THROUGH", 1) + define("RC_PLATES", 1) + define("RC_GLOSSY", 1);
+    out = cl::define("RC_SHAPED", 1) + cl::define("RC_THROUGH", 1) + cl::define("RC_PLATES", 1) +
+          cl::define("RC_GLOSSY", 1);
   else if (matter.through)
-    out = define("RC_THROUGH", 1);
-  if (matter.further_records > 0) out += define("RC_FURTHER_RECORDS", matter.further_records);
-  if (matter.shaped && matter.further_records > 0) out += define("RC_FURTHER", matter.further_records);
+    out = cl::define("RC_THROUGH", 1);
+  if (matter.further_records > 0) out += cl::define("RC_FURTHER_RECORDS", matter.further_records);
+  if (matter.shaped && matter.further_records > 0) out += cl::define("RC_FURTHER", matter.further_records);
   return out;
 }
 
@@ -129,13 +125,13 @@ int path_room(int wavelengths, bool on_cpu) {
 ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound, bool on_cpu) {
   std::string all = "-cl-std=CL1.2";
   if (!on_cpu)
-    all += define("RC_CHUNK_SAMPLES", RC_PADDED(shape.chunk_samples)) +
-           define("RC_MOST_LIGHTS", std::max(1, shape.sun + shape.components + shape.lamps));
-  const std::string matter = matter_options(shape.matter), stack = define("RC_STACK", kernel_stack(stack_bound));
+    all += cl::define("RC_CHUNK_SAMPLES", RC_PADDED(shape.chunk_samples)) +
+           cl::define("RC_MOST_LIGHTS", std::max(1, shape.sun + shape.components + shape.lamps));
+  const std::string matter = matter_options(shape.matter), stack = cl::define("RC_STACK", kernel_stack(stack_bound));
   // The plain grid has bundles of its own; where rays go one by one, how samples lie is no matter of the program.
   const bool grid = !shape.moving && shape.sampler == scene::SamplerKind::grid && shape.support_px == 1;
-  ProgramOptions out{all + stack + define("RC_GRID", int{grid}), all + stack + matter, "", all + matter};
-  if (shape.bounces) out.paths = out.trace + define("RC_SKELETON", path_room(shape.skeleton_padded(), on_cpu));
+  ProgramOptions out{all + stack + cl::define("RC_GRID", int{grid}), all + stack + matter, "", all + matter};
+  if (shape.bounces) out.paths = out.trace + cl::define("RC_SKELETON", path_room(shape.skeleton_padded(), on_cpu));
   return out;
 }
 
