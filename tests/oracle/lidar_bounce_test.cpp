@@ -139,15 +139,13 @@ TEST_CASE(
     CHECK(ledger.escaped > 0.01);
     CHECK(ledger.truncated > 1e-4);
     const auto from = static_cast<std::ptrdiff_t>(line * 1000);
-    const auto part = [from](const std::vector<float>& row) {
-      return total(std::vector<float>(row.begin() + from, row.begin() + from + 1000));
-    };
-    const double bins = part(result.first) + part(result.multiple);
+    const double bins = total({result.first.begin() + from, result.first.begin() + from + 1000}) +
+                        total({result.multiple.begin() + from, result.multiple.begin() + from + 1000});
     CHECK(bins / plan.photons[line] + ledger.early + ledger.late + ledger.near ==
           doctest::Approx(ledger.collected).epsilon(5e-6));
     for (const float x : result.multiple) REQUIRE(x >= 0);
   }
-  CHECK(total(std::vector<float>(result.multiple.begin(), result.multiple.begin() + 1000)) > 0);
+  CHECK(total({result.multiple.begin(), result.multiple.begin() + 1000}) > 0);
 }
 
 TEST_CASE("I3: transmitter and receiver may change places") {

@@ -61,8 +61,8 @@ TEST_CASE("L-09: a laser line on an absorption line is averaged after the expone
     std::fill(plan.cross_section_cm2.begin(), plan.cross_section_cm2.end(), 0.0);
     const auto clear = layer.shoot(plan);
     const auto share = [&](std::ptrdiff_t line) {
-      return total(std::vector<float>(seen.first.begin() + line * 1000, seen.first.begin() + line * 1000 + 1000)) /
-             total(std::vector<float>(clear.first.begin() + line * 1000, clear.first.begin() + line * 1000 + 1000));
+      return total({seen.first.begin() + line * 1000, seen.first.begin() + line * 1000 + 1000}) /
+             total({clear.first.begin() + line * 1000, clear.first.begin() + line * 1000 + 1000});
     };
     CHECK(share(0) ==
           doctest::Approx(on).epsilon(

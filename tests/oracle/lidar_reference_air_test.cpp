@@ -85,17 +85,17 @@ TEST_CASE("L-09: transmission of a gas is averaged over the line after the expon
   lidar.pulse.fwhm_s = 4e-9;
   auto plan = hand_plan(lidar, scene);
   const auto shot = shot_from(lidar, {0, 0, 1000}, {0, 0, -1});
-  const double clear = total(shoot(scene, plan, shot).rows.first);
+  const double clear = row_sum(shoot(scene, plan, shot).rows.first);
   plan.cross_section_cm2 = {1.061032954e-18};
-  CHECK(total(shoot(scene, plan, shot).rows.first) / clear == doctest::Approx(5.188089e-3).epsilon(2e-7));
+  CHECK(row_sum(shoot(scene, plan, shot).rows.first) / clear == doctest::Approx(5.188089e-3).epsilon(2e-7));
   plan.cross_section_cm2 = {1.694941e-21};
-  CHECK(total(shoot(scene, plan, shot).rows.first) / clear == doctest::Approx(0.991630).epsilon(1e-6));
+  CHECK(row_sum(shoot(scene, plan, shot).rows.first) / clear == doctest::Approx(0.991630).epsilon(1e-6));
   // Two equal nodes.
   plan.nodes = {{0, 1.064, 0.5}, {0, 1.065, 0.5}};
   plan.first_node = {0, 2};
   plan.cross_section_cm2 = {1.061032954e-18, 1.694941e-21};
   const auto result = shoot(scene, plan, shot);
-  CHECK(total(result.rows.first) / clear == doctest::Approx(0.5 * (5.188089e-3 + 0.991630)).epsilon(1e-6));
+  CHECK(row_sum(result.rows.first) / clear == doctest::Approx(0.5 * (5.188089e-3 + 0.991630)).epsilon(1e-6));
   CHECK(result.ledger[0].volumes ==
         doctest::Approx(1 - 0.5 * (std::sqrt(5.188089e-3) + std::sqrt(0.991630))).epsilon(1e-6));
   CHECK(std::abs(result.ledger[0].emitted_error()) < 1e-14);

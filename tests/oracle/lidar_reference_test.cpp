@@ -34,7 +34,7 @@ void closes(const reference::LidarReference& result, const lidar::LidarPlan& pla
     CHECK(std::abs(l.emitted_error()) < 1e-12);
     double recorded = 0;
     for (const auto* row : {&result.rows.first, &result.rows.multiple, &result.rows.air, &result.rows.particles})
-      recorded += total(*row);
+      recorded += row_sum(*row);
     if (plan.lines() == 1)
       CHECK(std::abs(recorded / plan.photons[0] + l.early + l.late + l.near - l.collected) <= 1e-12 * l.collected);
   }
@@ -49,8 +49,8 @@ TEST_CASE("L-01: link budget of one ray, bin by bin") {
   set_air(plan, 1e-4, 0, -100, 2000);
   const auto result = shoot(scene, plan, shot_from(lidar, {0.37, 0.21, 1000}, {0, 0, -1}));
   // Printed to ten digits.
-  CHECK(total(result.rows.first) == doctest::Approx(134685.6010).epsilon(1e-9));
-  CHECK(0.3 * total(result.rows.first) == doctest::Approx(40405.68031).epsilon(1e-9));
+  CHECK(row_sum(result.rows.first) == doctest::Approx(134685.6010).epsilon(1e-9));
+  CHECK(0.3 * row_sum(result.rows.first) == doctest::Approx(40405.68031).epsilon(1e-9));
   const double pe[] = {33.4762,   198.7032,  841.2644,  2541.5635, 5480.9961, 8439.5091, 9279.7738,
                        7286.7561, 4085.7507, 1635.5598, 467.2943,  95.2532,   13.8465};
   for (std::size_t i = 0; i < std::size(pe); ++i) CHECK(std::abs(0.3 * result.rows.first[465 + i] - pe[i]) < 6e-5);
@@ -60,7 +60,7 @@ TEST_CASE("L-01: link budget of one ray, bin by bin") {
   const auto tilted = ground(M_PI / 6);
   const auto slanted = shoot(tilted, plan, shot_from(lidar, {0, 0, 1000}, {0, 0, -1}));
   // The plate's corners are floats: 6e-8 of 50 m off its plane's tilt.
-  CHECK(0.3 * total(slanted.rows.first) == doctest::Approx(34992.34561).epsilon(1e-7));
+  CHECK(0.3 * row_sum(slanted.rows.first) == doctest::Approx(34992.34561).epsilon(1e-7));
 }
 
 TEST_CASE("L-32: the receiver's cosine counts, not the laser's") {
@@ -74,7 +74,7 @@ TEST_CASE("L-32: the receiver's cosine counts, not the laser's") {
   place_pupil(shot, {0, 0, 1000}, {0, 0, -1});
   const auto result = shoot(scene, plan, shot);
   const double expected = plan.photons[0] * 0.3 / M_PI * M_PI * (0.05 * 0.05 - 0.015 * 0.015) * 1e-6 * 0.5;
-  CHECK(total(result.rows.first) == doctest::Approx(expected).epsilon(1e-9));
+  CHECK(row_sum(result.rows.first) == doctest::Approx(expected).epsilon(1e-9));
   CHECK(centroid_s(result.rows.first, lidar.gate) == doctest::Approx(3000 / kLightSpeed).epsilon(1e-12));
 }
 
@@ -125,16 +125,16 @@ TEST_CASE("I1, I4, I6: energy of a footprint, range shift, equal ranges add") {
   // The footprint is one cone: every path scales with the range.
   CHECK(centroid_s(far.rows.first, lidar.gate) / centroid_s(near.rows.first, lidar.gate) ==
         doctest::Approx(1.01).epsilon(1e-13));
-  CHECK(total(far.rows.first) / total(near.rows.first) == doctest::Approx(1 / (1.01 * 1.01)).epsilon(1e-12));
+  CHECK(row_sum(far.rows.first) / row_sum(near.rows.first) == doctest::Approx(1 / (1.01 * 1.01)).epsilon(1e-12));
   // Mean of cos(theta)^3 cos(psi)... over the beam: 1 - 2 <tan^2>, <tan^2> = theta^2 / 2 for a Gaussian of 1/e2 half
   // angle theta.
   const double on_axis = plan.photons[0] * 0.3 * (0.05 * 0.05 - 0.015 * 0.015) * 1e-6 * 0.5;
-  CHECK(total(near.rows.first) == doctest::Approx(on_axis * (1 - 2 * 0.5 * 0.25e-3 * 0.25e-3)).epsilon(1e-9));
+  CHECK(row_sum(near.rows.first) == doctest::Approx(on_axis * (1 - 2 * 0.5 * 0.25e-3 * 0.25e-3)).epsilon(1e-9));
   lidar.pulse.half_divergence_rad = 0;
   const auto one = shoot(scene, hand_plan(pencil(), scene), shot_from(lidar, {0, 0, 1000}, {0, 0, -1}));
   const auto many = shoot(scene, hand_plan(lidar, scene), shot_from(lidar, {0, 0, 1000}, {0, 0, -1}));
   for (std::size_t i = 0; i < one.rows.first.size(); ++i)
-    CHECK(std::abs(one.rows.first[i] - many.rows.first[i]) <= 1e-12 * total(one.rows.first));
+    CHECK(std::abs(one.rows.first[i] - many.rows.first[i]) <= 1e-12 * row_sum(one.rows.first));
 }
 
 TEST_CASE("L-31: gate's ends and bin edges") {
@@ -154,7 +154,7 @@ TEST_CASE("L-31: gate's ends and bin edges") {
   closes(cut, plan);
   lidar.gate.start_s = echo_s + 1e-6;
   const auto early = shoot(scene, hand_plan(lidar, scene), shot);
-  CHECK(total(early.rows.first) == 0);
+  CHECK(row_sum(early.rows.first) == 0);
   CHECK(early.ledger[0].early == doctest::Approx(early.ledger[0].collected).epsilon(1e-14));
   lidar.transport.minimum_range_m = 2000;
   const auto close = shoot(scene, hand_plan(lidar, scene), shot);
@@ -248,7 +248,7 @@ TEST_CASE("L-16: energy and path of the double bounce in a Lambert corner") {
     const auto result = shoot(scene, plan, shot);
     const double f = size == 5 ? 0.3887500640 : 0.4434773417;
     const double ratio =
-        (total(result.rows.multiple) + result.ledger[0].late * plan.photons[0]) / total(result.rows.first);
+        (row_sum(result.rows.multiple) + result.ledger[0].late * plan.photons[0]) / row_sum(result.rows.first);
     // Four standard errors of a share f of 20000 independent draws; the far receiver is 1e6 m away: 1e-5.
     CHECK(std::abs(ratio / 0.4 - f) < 4 * std::sqrt(f * (1 - f) / 20000));
     CHECK(std::abs(result.ledger[0].emitted_error()) < 1e-12);
@@ -263,7 +263,7 @@ TEST_CASE("L-16: energy and path of the double bounce in a Lambert corner") {
     // Half of an infinite corner's double bounces come within 1.8996 m of path: 0.25 of all that leaves A. Bin: 0.03 m
     // of 1.9.
     if (size == 10)
-      CHECK(std::abs(soon / total(result.rows.first) / 0.4 - 0.25) < 4 * std::sqrt(0.25 * 0.75 / 20000) + 0.005);
+      CHECK(std::abs(soon / row_sum(result.rows.first) / 0.4 - 0.25) < 4 * std::sqrt(0.25 * 0.75 / 20000) + 0.005);
   }
 }
 
@@ -281,7 +281,7 @@ TEST_CASE("L-16: all orders of a wide Lambert corner") {
   const auto plan = hand_plan(lidar, scene, 3);
   const auto shot = shot_from(lidar, {1 + far_m * std::sqrt(0.5), 0, far_m * std::sqrt(0.5)}, {-1, 0, -1});
   const auto result = shoot(scene, plan, shot);
-  const double sum = (total(result.rows.first) + total(result.rows.multiple)) / total(result.rows.first);
+  const double sum = (row_sum(result.rows.first) + row_sum(result.rows.multiple)) / row_sum(result.rows.first);
   // Spread of one path's sum is about that of the double bounce: 0.4 * 0.5; 4 standard errors. Plates of 20 km: 3e-5.
   CHECK(std::abs(sum - 1.263157895) < 4 * 0.21 / std::sqrt(20000.0));
   CHECK(std::abs(result.ledger[0].emitted_error()) < 1e-12);
@@ -312,7 +312,7 @@ TEST_CASE("I3: rays from the transmitter and rays from the receiver find the sam
       reference::LidarShotOptions options;
       options.own_seed = true, options.seed = static_cast<std::uint64_t>(seed);
       const auto rows = reference::reference_shot(scene, embree, plan, shot, options).rows;
-      const double sums[2] = {total(rows.first), total(rows.multiple)};
+      const double sums[2] = {row_sum(rows.first), row_sum(rows.multiple)};
       for (int order = 0; order < 2; ++order)
         mean[receiver][order] += sums[order] / kSeeds, square[receiver][order] += sums[order] * sums[order] / kSeeds;
     }
