@@ -4,15 +4,16 @@
 # With RAYCUBE_UNITY the tests of a group (the variable RAYCUBE_TEST_GROUP) are one executable whose sources are
 # compiled sixteen at a time (TestUnit.cmake): half of the time of small sources is the same headers over again. ALONE:
 # a test that replaces functions of the C library, or reads its own program's name, has an executable of its own.
-# LOOPS: its own code loops over millions of samples, and is optimised, unlike the rest, which saves 20 to 40 s each.
+# LOOPS: its own code loops over millions of samples, and is optimised like a library.
 # raycube_full_test(name reason): all cases of a test whose short form (tests/support/full.h) runs with the others: with
 # ci/test --full alone.
 add_library(raycube_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/test_main.cpp)
 target_link_libraries(raycube_test_main PRIVATE raycube_warnings raycube_base)
-# A test's own code runs for moments and is compiled each time, so it is not optimised; what it tests is. Checks that
-# throw end their case instead of being counted. -pthread: some libraries ask for it, and headers that are compiled once
-# want the same options everywhere.
-set(raycube_test_options -O0 -pthread -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
+# A test's own code runs for moments and is compiled each time, so it is hardly optimised; what it tests is. -Og takes
+# as long as -O0, and templates that a test and a library both use stay quick: the linker takes the test's copy. Checks
+# that throw end their case instead of being counted. -pthread: some libraries ask for it, and headers that are compiled
+# once want the same options everywhere.
+set(raycube_test_options -Og -pthread -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
   -DRAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 set(raycube_test_loops COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON)
 if(RAYCUBE_UNITY)  # g++ 12 takes what those headers inline for the test's own, and warns of copies that cannot be
