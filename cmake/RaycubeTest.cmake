@@ -2,7 +2,7 @@
 # and a target test_<name> that makes the command build/tests/test_<name>, which runs them alone. tests/test_main.cpp
 # supplies main(), compiled once for all. Names of doctest cases carry the S-numbers they show.
 # With RAYCUBE_UNITY the tests of a group (the variable RAYCUBE_TEST_GROUP) are one executable whose sources are
-# compiled sixteen at a time (TestUnit.cmake): half of the time of small sources is the same headers over again. ALONE:
+# compiled 24 at a time (TestUnit.cmake): half of the time of small sources is the same headers over again. ALONE:
 # a test that replaces functions of the C library, or reads its own program's name, has an executable of its own.
 # LOOPS: its own code loops over millions of samples, and is optimised like a library.
 # raycube_full_test(name reason): all cases of a test whose short form (tests/support/full.h) runs with the others: with
@@ -87,7 +87,7 @@ function(raycube_test_groups)
     foreach(kind IN ITEMS loops sources)
       get_property(sources GLOBAL PROPERTY ${group}_${kind})
       while(sources)
-        list(SUBLIST sources 0 16 some)
+        list(SUBLIST sources 0 24 some)
         list(REMOVE_ITEM sources ${some})
         list(LENGTH units number)
         set(unit ${CMAKE_CURRENT_BINARY_DIR}/units/${group}_${number}.cpp)

@@ -33,7 +33,7 @@ pulses = 2
 """ + pulse_and_receiver("20e-6", divergence_mrad=0.5, fov_mrad=1.0) + gate(490.0, 510.0, subrays=64)
 
 if not shutil.which("oclgrind"):
-    print("oclgrind: SKIPPED: there is no oclgrind (apt-get install oclgrind)")
+    print("oclgrind: SKIPPED: there is no oclgrind (ci/setup --full installs it)")
     sys.exit(77)
 
 
