@@ -22,6 +22,8 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd")  # any OpenCL driver; the libraries come from shlibdeps
+# Any OpenCL driver, and GDAL, which is loaded when a raster is read; libraries that are linked come from shlibdeps.
+get_property(gdal_package GLOBAL PROPERTY RAYCUBE_GDAL_PACKAGE)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd, ${gdal_package}")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, python3-matplotlib")
 include(CPack)

@@ -1,25 +1,23 @@
 #include "scene_compiler/raster.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <gdal.h>
-#include <gdal_alg.h>
-#include <ogr_srs_api.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 
+#include "host/base/gdal_library.h"
 #include "host/base/limited_child.h"
 #include "scene_compiler/csv_file.h"
 
 namespace raycube::scene {
 namespace {
 
+using base::gdal;
+using base::GdalDataset;
+using base::GdalSpatialReference;
 using base::Problems;
+using base::QuietGdal;
 using base::Where;
 
 // What reading may take: GDAL needs some 10 ns a pixel of the 2^28 that are read at most, whatever a file's
@@ -28,65 +26,48 @@ constexpr double kRasterBase_s = 120, kRasterPerByte_s = 4e-6;
 constexpr std::uint64_t kMemory_bytes = 6ull << 30;
 constexpr int kPiece_values = 1 << 20;
 
-/// GDAL's messages come through us, not through stderr.
-struct QuietGdal {
-  QuietGdal() {
-    static std::once_flag once;
-    std::call_once(once, GDALAllRegister);
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-  }
-  ~QuietGdal() { CPLPopErrorHandler(); }
-};
-
-struct CloseDataset {
-  void operator()(void* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<void, CloseDataset>;
-
-struct DestroySrs {
-  void operator()(void* srs) const { OSRDestroySpatialReference(srs); }
-};
-using Srs = std::unique_ptr<void, DestroySrs>;
-
 std::string gdal_message() {
-  const std::string text = CPLGetLastErrorMsg();
+  const std::string text = base::gdal_message();
   return text.empty() ? "no message" : text;
 }
 
 /// Fills in a copy in memory: the file stays as it is.
 bool interpolate(std::vector<double>& values, const std::vector<bool>& valid, int columns, int rows) {
-  const GDALDriverH driver = GDALGetDriverByName("MEM");
-  const Dataset copy(GDALCreate(driver, "", columns, rows, 1, GDT_Float64, nullptr));
-  const Dataset mask(GDALCreate(driver, "", columns, rows, 1, GDT_Byte, nullptr));
+  const GDALDriverH driver = gdal().GDALGetDriverByName("MEM");
+  const GdalDataset copy(gdal().GDALCreate(driver, "", columns, rows, 1, GDT_Float64, nullptr));
+  const GdalDataset mask(gdal().GDALCreate(driver, "", columns, rows, 1, GDT_Byte, nullptr));
   if (!copy || !mask) return false;
   std::vector<unsigned char> bytes(valid.size());
   for (std::size_t i = 0; i < valid.size(); ++i) bytes[i] = valid[i] ? 255 : 0;
-  const GDALRasterBandH band = GDALGetRasterBand(copy.get(), 1), mask_band = GDALGetRasterBand(mask.get(), 1);
-  if (GDALRasterIO(band, GF_Write, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) != CE_None ||
-      GDALRasterIO(mask_band, GF_Write, 0, 0, columns, rows, bytes.data(), columns, rows, GDT_Byte, 0, 0) != CE_None)
+  const GDALRasterBandH band = gdal().GDALGetRasterBand(copy.get(), 1),
+                        mask_band = gdal().GDALGetRasterBand(mask.get(), 1);
+  if (gdal().GDALRasterIO(band, GF_Write, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) !=
+          CE_None ||
+      gdal().GDALRasterIO(mask_band, GF_Write, 0, 0, columns, rows, bytes.data(), columns, rows, GDT_Byte, 0, 0) !=
+          CE_None)
     return false;
   const double reach = std::hypot(columns, rows);
-  return GDALFillNodata(band, mask_band, reach, 0, 0, nullptr, nullptr, nullptr) == CE_None &&
-         GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) == CE_None;
+  return gdal().GDALFillNodata(band, mask_band, reach, 0, 0, nullptr, nullptr, nullptr) == CE_None &&
+         gdal().GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) ==
+             CE_None;
 }
 
 void read_reference(GDALDatasetH dataset, Raster& raster) {
-  raster.georeferenced = GDALGetGeoTransform(dataset, raster.transform.data()) == CE_None;
-  const OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
+  raster.georeferenced = gdal().GDALGetGeoTransform(dataset, raster.transform.data()) == CE_None;
+  const OGRSpatialReferenceH srs = gdal().GDALGetSpatialRef(dataset);
   if (srs == nullptr) return;
-  raster.geographic = OSRIsGeographic(srs) != 0;
-  if (const char* code = OSRGetAuthorityCode(srs, nullptr)) raster.epsg = std::atoi(code);
+  raster.geographic = gdal().OSRIsGeographic(srs) != 0;
+  if (const char* code = gdal().OSRGetAuthorityCode(srs, nullptr)) raster.epsg = std::atoi(code);
   if (raster.epsg != 0) return;
   // ESRI .prj files name no code: take the database's best match when it is surely the same system (70: equal
   // but for names).
   int count = 0;
   int* confidence = nullptr;
-  OGRSpatialReferenceH* matches = OSRFindMatches(srs, nullptr, &count, &confidence);
+  OGRSpatialReferenceH* matches = gdal().OSRFindMatches(srs, nullptr, &count, &confidence);
   if (count > 0 && confidence[0] >= 70)
-    if (const char* code = OSRGetAuthorityCode(matches[0], nullptr)) raster.epsg = std::atoi(code);
-  OSRFreeSRSArray(matches);
-  CPLFree(confidence);
+    if (const char* code = gdal().OSRGetAuthorityCode(matches[0], nullptr)) raster.epsg = std::atoi(code);
+  gdal().OSRFreeSRSArray(matches);
+  gdal().VSIFree(confidence);
 }
 
 /// What the child found before any sample, as it hands it back.
@@ -106,21 +87,21 @@ bool has_bands(const Opened& opened, int first_band, int count) {
 /// Of a raw file that ends before its header says: what is wrong; else empty. GDAL reads what is missing as zeros (with
 /// RAW_CHECK_FILE_SIZE it refuses files of less than half their size alone).
 std::string cut_short(GDALDatasetH dataset, const std::string& file) {
-  const std::string driver = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+  const std::string driver = gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset));
   if (driver != "ENVI" && driver != "EHdr" && driver != "ISCE" && driver != "ROI_PAC") return "";
   const auto said = [&](const char* key, const char* domain) {
-    const char* const value = GDALGetMetadataItem(dataset, key, domain);
+    const char* const value = gdal().GDALGetMetadataItem(dataset, key, domain);
     return value ? std::atof(value) : 0.0;
   };
   if (said("file_compression", "ENVI") != 0) return "";
   double bits = 0;
-  for (int b = 1; b <= GDALGetRasterCount(dataset); ++b) {
-    const GDALRasterBandH band = GDALGetRasterBand(dataset, b);
-    const char* const fewer = GDALGetMetadataItem(band, "NBITS", "IMAGE_STRUCTURE");
-    bits += fewer ? std::atof(fewer) : GDALGetDataTypeSizeBits(GDALGetRasterDataType(band));
+  for (int b = 1; b <= gdal().GDALGetRasterCount(dataset); ++b) {
+    const GDALRasterBandH band = gdal().GDALGetRasterBand(dataset, b);
+    const char* const fewer = gdal().GDALGetMetadataItem(band, "NBITS", "IMAGE_STRUCTURE");
+    bits += fewer ? std::atof(fewer) : gdal().GDALGetDataTypeSizeBits(gdal().GDALGetRasterDataType(band));
   }
-  const double needed =
-      std::ceil(bits * GDALGetRasterXSize(dataset) * GDALGetRasterYSize(dataset) / 8) + said("header_offset", "ENVI");
+  const double needed = std::ceil(bits * gdal().GDALGetRasterXSize(dataset) * gdal().GDALGetRasterYSize(dataset) / 8) +
+                        said("header_offset", "ENVI");
   std::error_code failed;
   const auto bytes = static_cast<double>(std::filesystem::file_size(file, failed));
   if (failed || bytes >= needed) return "";
@@ -132,40 +113,40 @@ std::string cut_short(GDALDatasetH dataset, const std::string& file) {
 /// GDAL's word (empty: it could be read), its nodata value and its samples.
 void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
   const QuietGdal quiet;
-  const Dataset dataset(GDALOpen(file.c_str(), GA_ReadOnly));
+  const GdalDataset dataset(gdal().GDALOpen(file.c_str(), GA_ReadOnly));
   const std::string wrong = dataset ? cut_short(dataset.get(), file) : gdal_message();
   parcel.text(wrong);
   if (!wrong.empty()) return;
   Raster raster;
   read_reference(dataset.get(), raster);
-  Opened opened{GDALGetRasterXSize(dataset.get()),
-                GDALGetRasterYSize(dataset.get()),
-                GDALGetRasterCount(dataset.get()),
+  Opened opened{gdal().GDALGetRasterXSize(dataset.get()),
+                gdal().GDALGetRasterYSize(dataset.get()),
+                gdal().GDALGetRasterCount(dataset.get()),
                 raster.epsg,
                 raster.georeferenced,
                 raster.geographic,
                 false,
                 raster.transform};
   if (has_bands(opened, first_band, 1))
-    opened.palette = GDALGetRasterColorTable(GDALGetRasterBand(dataset.get(), first_band)) != nullptr;
+    opened.palette = gdal().GDALGetRasterColorTable(gdal().GDALGetRasterBand(dataset.get(), first_band)) != nullptr;
   parcel.value(opened);
   if (count == 0) count = opened.band_count - first_band + 1;
   if (!fits(opened, count) || !has_bands(opened, first_band, count)) return;
   std::vector<double> values;
   for (int i = 0; i < count; ++i) {
-    const GDALRasterBandH band = GDALGetRasterBand(dataset.get(), first_band + i);
+    const GDALRasterBandH band = gdal().GDALGetRasterBand(dataset.get(), first_band + i);
     int has_nodata = 0, block_columns = 0, block_rows = 1;
-    const double hole = GDALGetRasterNoDataValue(band, &has_nodata);
+    const double hole = gdal().GDALGetRasterNoDataValue(band, &has_nodata);
     parcel.value(has_nodata != 0), parcel.value(hole);
-    GDALGetBlockSize(band, &block_columns, &block_rows);
+    gdal().GDALGetBlockSize(band, &block_columns, &block_rows);
     // Whole rows of blocks at a time.
     const int step = std::clamp(kPiece_values / std::max(opened.columns, 1) / block_rows * block_rows,
                                 std::min(block_rows, opened.rows), opened.rows);
     for (int row = 0; row < opened.rows; row += step) {
       const int rows = std::min(step, opened.rows - row);
       values.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(opened.columns));
-      const bool read = GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(), opened.columns, rows,
-                                     GDT_Float64, 0, 0) == CE_None;
+      const bool read = gdal().GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(), opened.columns,
+                                            rows, GDT_Float64, 0, 0) == CE_None;
       parcel.text(read ? "" : gdal_message());
       if (!read) return;
       parcel.list(values.data(), values.size());
@@ -193,6 +174,7 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   base::ChildLimits limits;
   limits.cpu_s = kRasterBase_s + kRasterPerByte_s * static_cast<double>(std::filesystem::file_size(file));
   limits.memory_bytes = kMemory_bytes;
+  gdal();  // loaded here, not by the child of each raster
   base::Unpacked read =
       base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
@@ -251,20 +233,20 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
 
 std::optional<GeoPlace> geographic_place(int epsg, double easting_m, double northing_m) {
   const QuietGdal quiet;
-  const Srs projected(OSRNewSpatialReference(nullptr)), geographic(OSRNewSpatialReference(nullptr));
-  if (OSRImportFromEPSG(projected.get(), epsg) != OGRERR_NONE ||
-      OSRImportFromEPSG(geographic.get(), 4326) != OGRERR_NONE)
+  const GdalSpatialReference projected(gdal().OSRNewSpatialReference(nullptr)),
+      geographic(gdal().OSRNewSpatialReference(nullptr));
+  if (gdal().OSRImportFromEPSG(projected.get(), epsg) != OGRERR_NONE ||
+      gdal().OSRImportFromEPSG(geographic.get(), 4326) != OGRERR_NONE)
     return std::nullopt;
-  if (OSRIsProjected(projected.get()) == 0) return std::nullopt;
-  OSRSetAxisMappingStrategy(projected.get(), OAMS_TRADITIONAL_GIS_ORDER);
-  OSRSetAxisMappingStrategy(geographic.get(), OAMS_TRADITIONAL_GIS_ORDER);
-  const std::unique_ptr<void, void (*)(void*)> transform(
-      OCTNewCoordinateTransformation(projected.get(), geographic.get()),
-      [](void* t) { OCTDestroyCoordinateTransformation(static_cast<OGRCoordinateTransformationH>(t)); });
+  if (gdal().OSRIsProjected(projected.get()) == 0) return std::nullopt;
+  gdal().OSRSetAxisMappingStrategy(projected.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  gdal().OSRSetAxisMappingStrategy(geographic.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  const base::GdalOwned<&base::Gdal::OCTDestroyCoordinateTransformation> transform(
+      gdal().OCTNewCoordinateTransformation(projected.get(), geographic.get()));
   if (!transform) return std::nullopt;
   // The second point lies 1 km to the grid's north.
   double x[2] = {easting_m, easting_m}, y[2] = {northing_m, northing_m + 1000.0};
-  if (!OCTTransform(static_cast<OGRCoordinateTransformationH>(transform.get()), 2, x, y, nullptr)) return std::nullopt;
+  if (!gdal().OCTTransform(transform.get(), 2, x, y, nullptr)) return std::nullopt;
   if (!std::isfinite(x[0]) || !std::isfinite(y[0]) || !std::isfinite(x[1]) || !std::isfinite(y[1])) return std::nullopt;
   const double to_rad = M_PI / 180.0;
   const double lat1 = y[0] * to_rad, lat2 = y[1] * to_rad, dlon = (x[1] - x[0]) * to_rad;

@@ -44,6 +44,5 @@ file(GLOB ordinary ${RAYCUBE_ORDINARY_BUILD}/scene_compiler/*.a ${RAYCUBE_ORDINA
 target_link_options(fuzz_readers PRIVATE -Wl,--allow-multiple-definition)
 target_include_directories(fuzz_readers PRIVATE ${PROJECT_SOURCE_DIR})
 target_link_libraries(fuzz_readers PRIVATE -Wl,--start-group ${ordinary} -Wl,--end-group embree assimp::assimp
-  GDAL::GDAL
   tomlplusplus::tomlplusplus nlohmann_json::nlohmann_json fmt::fmt spdlog::spdlog PNG::PNG PkgConfig::OPENEXR
     Eigen3::Eigen OpenCL::OpenCL ${NOVA_LIBRARY} Threads::Threads)

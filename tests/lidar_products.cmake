@@ -1,6 +1,5 @@
 # Files of a LIDAR run, read by code that owes the writers nothing.
 raycube_test(lidar_las_unit SOURCES unit/lidar_las_test.cpp LIBS raycube_products LABELS fast)
-raycube_test(lidar_time_cube SOURCES cross/lidar_time_cube_test.cpp LIBS raycube_products GDAL::GDAL LABELS fast)
 add_executable(las_samples ${CMAKE_CURRENT_LIST_DIR}/support/las_samples.cpp)
 raycube_test_code(las_samples)
 target_link_libraries(las_samples PRIVATE raycube_products nlohmann_json::nlohmann_json)

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "host/analysis/gdal_dataset.h"
 #include "host/base/error.h"
+#include "host/base/gdal_library.h"
 #include "host/products/coverage.h"
 
 namespace raycube::analysis {
@@ -15,6 +15,7 @@ namespace {
 
 using base::Error;
 using base::Fault;
+using base::gdal;
 
 /// Colours of classes, far from one another: Okabe & Ito's eight, then darker.
 std::array<int, 3> class_colour(std::size_t number) {
@@ -27,14 +28,14 @@ std::array<int, 3> class_colour(std::size_t number) {
 }
 
 /// Where a cube lies on the map.
-void place(GDALDataset& out, const Cube& like) {
+void place(GDALDatasetH out, const Cube& like) {
   if (like.header().map_info.empty()) return;
   const std::string file = products::find_envi_pair(like.path()).data;
-  const Dataset set(GDALDataset::FromHandle(GDALOpenEx(file.c_str(), GDAL_OF_RASTER, nullptr, nullptr, nullptr)));
+  const base::GdalDataset set(gdal().GDALOpenEx(file.c_str(), GDAL_OF_RASTER, nullptr, nullptr, nullptr));
   double transform[6];
-  if (!set || set->GetGeoTransform(transform) != CE_None) return;
-  out.SetGeoTransform(transform);
-  if (const OGRSpatialReference* system = set->GetSpatialRef()) out.SetSpatialRef(system);
+  if (!set || gdal().GDALGetGeoTransform(set.get(), transform) != CE_None) return;
+  gdal().GDALSetGeoTransform(out, transform);
+  if (const OGRSpatialReferenceH system = gdal().GDALGetSpatialRef(set.get())) gdal().GDALSetSpatialRef(out, system);
 }
 
 }  // namespace
@@ -79,15 +80,14 @@ struct MapFiles::State {
 
   /// The GeoTIFF, uncompressed, so that lines may come in any order.
   void begin_tiff(const Cube& like) {
-    GDALAllRegister();
-    GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+    const GDALDriverH driver = gdal().GDALGetDriverByName("GTiff");
     const char* options[] = {"INTERLEAVE=BAND", "BIGTIFF=IF_SAFER", nullptr};
     if (driver)
-      geo.reset(driver->Create(drawn.c_str(), static_cast<int>(like.samples()), static_cast<int>(like.lines()),
-                               static_cast<int>(bands()), classes ? GDT_UInt16 : GDT_Float64,
-                               const_cast<char**>(options)));
+      geo.reset(gdal().GDALCreate(driver, drawn.c_str(), static_cast<int>(like.samples()),
+                                  static_cast<int>(like.lines()), static_cast<int>(bands()),
+                                  classes ? GDT_UInt16 : GDT_Float64, const_cast<char**>(options)));
     if (!geo) throw Error(Fault::environment, tiff.final_path() + ": GDAL cannot begin it");
-    place(*geo, like);
+    place(geo.get(), like);
   }
 
   bool classes;
@@ -95,7 +95,7 @@ struct MapFiles::State {
   base::OutputFile &data, &text, &tiff;
   std::string drawn;  ///< GDAL writes by name; its bytes then go where an unfinished file is never seen
   products::Coverage coverage;
-  Dataset geo;
+  base::GdalDataset geo;
   std::mutex alone;
 };
 
@@ -110,7 +110,7 @@ MapFiles::MapFiles(base::OutputSet& set, const std::string& name, const Cube& li
   state_ = std::make_unique<State>(set, name, std::move(header), false);
   state_->begin_tiff(like);
   for (std::size_t b = 0; b < layers.size(); ++b)
-    state_->geo->GetRasterBand(static_cast<int>(b) + 1)->SetDescription(layers[b].c_str());
+    gdal().GDALSetDescription(gdal().GDALGetRasterBand(state_->geo.get(), static_cast<int>(b) + 1), layers[b].c_str());
 }
 
 MapFiles MapFiles::of_classes(base::OutputSet& set, const std::string& name, const Cube& like,
@@ -118,7 +118,7 @@ MapFiles MapFiles::of_classes(base::OutputSet& set, const std::string& name, con
   products::EnviHeader header = header_like(like, description);
   header.file_type = "ENVI Classification", header.band_names = {"class"};
   std::string names = "{none", lookup = "{0, 0, 0";
-  GDALColorTable colours;
+  const base::GdalOwned<&base::Gdal::GDALDestroyColorTable> colours(gdal().GDALCreateColorTable(GPI_RGB));
   for (std::size_t k = 0; k < classes.size(); ++k) {
     const auto [r, g, b] = class_colour(k + 1);
     std::string text = classes[k];
@@ -126,13 +126,13 @@ MapFiles MapFiles::of_classes(base::OutputSet& set, const std::string& name, con
       if (c == ',' || c == '{' || c == '}' || c == '\n') c = ' ';
     names += ", " + text, lookup += fmt::format(", {}, {}, {}", r, g, b);
     const GDALColorEntry entry = {static_cast<short>(r), static_cast<short>(g), static_cast<short>(b), 255};
-    colours.SetColorEntry(static_cast<int>(k) + 1, &entry);
+    gdal().GDALSetColorEntry(colours.get(), static_cast<int>(k) + 1, &entry);
   }
   header.other["classes"] = std::to_string(classes.size() + 1);
   header.other["class names"] = names + "}", header.other["class lookup"] = lookup + "}";
   MapFiles out(std::make_unique<State>(set, name, std::move(header), true));
   out.state_->begin_tiff(like);
-  out.state_->geo->GetRasterBand(1)->SetColorTable(&colours);
+  gdal().GDALSetRasterColorTable(gdal().GDALGetRasterBand(out.state_->geo.get(), 1), colours.get());
   return out;
 }
 
@@ -144,9 +144,10 @@ void MapFiles::write(const Pixels& where, const std::vector<double>& values) {
   s.coverage.add({where.first_line, where.lines, 0, where.samples});
   const auto pixel = static_cast<GSpacing>(s.bands() * sizeof(double)), line = pixel * where.samples;
   const int wide = static_cast<int>(where.samples), high = static_cast<int>(where.lines);
-  if (s.geo->RasterIO(GF_Write, 0, static_cast<int>(where.first_line), wide, high, const_cast<double*>(values.data()),
-                      wide, high, GDT_Float64, static_cast<int>(s.bands()), nullptr, pixel, line, sizeof(double),
-                      nullptr) != CE_None)
+  if (gdal().GDALDatasetRasterIOEx(s.geo.get(), GF_Write, 0, static_cast<int>(where.first_line), wide, high,
+                                   const_cast<double*>(values.data()), wide, high, GDT_Float64,
+                                   static_cast<int>(s.bands()), nullptr, pixel, line, sizeof(double),
+                                   nullptr) != CE_None)
     throw Error(Fault::environment, s.tiff.final_path() + ": GDAL could not write it; is the disk full?");
 }
 

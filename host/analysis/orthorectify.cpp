@@ -7,11 +7,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <gdal.h>
-#include <gdal_utils.h>
-#include <cpl_error.h>
 
 #include "host/base/error.h"
+#include "host/base/gdal_library.h"
 #include "host/base/interrupt.h"
 #include "host/products/envi_reader.h"
 #include "host/products/envi_writer.h"
@@ -24,14 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 using base::Error;
 using base::Fault;
-
-struct CloseImage {
-  void operator()(void* dataset) const { GDALClose(dataset); }
-};
-using GdalImage = std::unique_ptr<void, CloseImage>;
+using base::gdal;
+using base::GdalDataset;
 
 [[noreturn]] void failed(const std::string& path, const std::string& what) {
-  const std::string reason = CPLGetLastErrorMsg();
+  const std::string reason = base::gdal_message();
   throw Error(Fault::input, path + ": " + what + (reason.empty() ? "" : " (GDAL: " + reason + ")"));
 }
 
@@ -73,14 +68,14 @@ Places places_of(const std::string& image, const products::EnviHeader& header) {
 }
 
 /// The image as GDAL's, by the virtual raster that says where its pixels lie.
-GdalImage placed(const OrthoRequest& request, const std::string& vrt) {
-  GdalImage out(GDALOpen(vrt.c_str(), GA_ReadOnly));
+GdalDataset placed(const OrthoRequest& request, const std::string& vrt) {
+  GdalDataset out(gdal().GDALOpen(vrt.c_str(), GA_ReadOnly));
   if (!out) failed(request.image, "cannot be opened for the map");
   return out;
 }
 
 /// It on the map, made when that is read; `source` must outlive it.
-GdalImage warped(const OrthoRequest& request, const GdalImage& source, const std::optional<double>& no_data) {
+GdalDataset warped(const OrthoRequest& request, const GdalDataset& source, const std::optional<double>& no_data) {
   std::vector<std::string> words = {"-geoloc",
                                     "-of",
                                     "VRT",
@@ -100,11 +95,11 @@ GdalImage warped(const OrthoRequest& request, const GdalImage& source, const std
   std::vector<char*> arguments;
   for (auto& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  const std::unique_ptr<GDALWarpAppOptions, void (*)(GDALWarpAppOptions*)> options(
-      GDALWarpAppOptionsNew(arguments.data(), nullptr), GDALWarpAppOptionsFree);
+  const base::GdalOwned<&base::Gdal::GDALWarpAppOptionsFree, GDALWarpAppOptions> options(
+      gdal().GDALWarpAppOptionsNew(arguments.data(), nullptr));
   GDALDatasetH from = source.get();
   int wrong_use = 0;
-  GdalImage out(GDALWarp("", nullptr, 1, &from, options.get(), &wrong_use));
+  GdalDataset out(gdal().GDALWarp("", nullptr, 1, &from, options.get(), &wrong_use));
   if (!out) failed(request.image, "cannot be put on a map");
   return out;
 }
@@ -112,7 +107,6 @@ GdalImage warped(const OrthoRequest& request, const GdalImage& source, const std
 }  // namespace
 
 Ortho orthorectify(const OrthoRequest& request, const std::function<base::OutputSet&()>& set) {
-  GDALAllRegister();
   const auto pair = products::find_envi_pair(request.image);
   products::EnviHeader header = products::read_envi_header(pair.header);
   if (header.type().components != 1)
@@ -121,11 +115,11 @@ Ortho orthorectify(const OrthoRequest& request, const std::function<base::Output
   const auto gain = header.data_gain, offset = header.data_offset;
   const std::string vrt = products::geolocated_vrt(header, fs::absolute(pair.data).string(), places.file,
                                                    products::projected_wkt(places.epsg));
-  const GdalImage source = placed(request, vrt), map = warped(request, source, header.data_ignore_value);
+  const GdalDataset source = placed(request, vrt), map = warped(request, source, header.data_ignore_value);
   double corner[6] = {};
-  GDALGetGeoTransform(map.get(), corner);
-  Ortho out{GDALGetRasterXSize(map.get()),
-            GDALGetRasterYSize(map.get()),
+  gdal().GDALGetGeoTransform(map.get(), corner);
+  Ortho out{gdal().GDALGetRasterXSize(map.get()),
+            gdal().GDALGetRasterYSize(map.get()),
             header.bands,
             corner[0],
             corner[3],
@@ -149,10 +143,10 @@ Ortho orthorectify(const OrthoRequest& request, const std::function<base::Output
     const std::int64_t lines = std::min(together, out.lines - first);
     values.resize(static_cast<std::size_t>(lines * out.samples * out.bands));
     const auto pixel = static_cast<GSpacing>(static_cast<std::size_t>(out.bands) * sizeof(float));
-    if (GDALDatasetRasterIOEx(map.get(), GF_Read, 0, static_cast<int>(first), static_cast<int>(out.samples),
-                              static_cast<int>(lines), values.data(), static_cast<int>(out.samples),
-                              static_cast<int>(lines), GDT_Float32, static_cast<int>(out.bands), nullptr, pixel,
-                              pixel * out.samples, sizeof(float), nullptr) != CE_None)
+    if (gdal().GDALDatasetRasterIOEx(map.get(), GF_Read, 0, static_cast<int>(first), static_cast<int>(out.samples),
+                                     static_cast<int>(lines), values.data(), static_cast<int>(out.samples),
+                                     static_cast<int>(lines), GDT_Float32, static_cast<int>(out.bands), nullptr, pixel,
+                                     pixel * out.samples, sizeof(float), nullptr) != CE_None)
       failed(request.image, "cannot be read onto the map");
     for (std::size_t i = 0; !(gain.empty() && offset.empty()) && i < values.size(); ++i) {
       const std::size_t band = i % static_cast<std::size_t>(out.bands);

@@ -8,14 +8,10 @@
 #include <map>
 #include <memory>
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
 #include <fmt/format.h>
-#include <gdal_alg.h>
-#include <ogrsf_frmts.h>
 
-#include "host/analysis/gdal_dataset.h"
 #include "host/base/error.h"
+#include "host/base/gdal_library.h"
 #include "host/base/input_file.h"
 #include "host/base/publication.h"
 
@@ -24,21 +20,19 @@ namespace {
 
 using base::Error;
 using base::Fault;
+using base::gdal;
+using base::GdalDataset;
 
 std::string gdal_reason() {
-  const std::string said = CPLGetLastErrorMsg();
+  const std::string said = base::gdal_message();
   return said.empty() ? "" : " (" + said + ")";
 }
 
-Dataset open(const std::string& file, unsigned kinds) {
-  GDALAllRegister();
+GdalDataset open(const std::string& file, unsigned kinds) {
   base::finish_publication_around(file);
   base::refuse_other_than_plain(file);
-  CPLPushErrorHandler(CPLQuietErrorHandler);
-  CPLErrorReset();
-  Dataset out(GDALDataset::FromHandle(GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr)));
-  CPLPopErrorHandler();
-  return out;
+  const base::QuietGdal quiet;
+  return GdalDataset(gdal().GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
 }
 
 [[noreturn]] void refuse(const std::string& text, const std::string& why) {
@@ -86,14 +80,14 @@ bool is_called(const std::string& name, const std::string& layer) {
 }
 
 /// Number of a band, from 1.
-int band_called(GDALDataset& set, const std::string& file, const std::string& layer) {
+int band_called(GDALDatasetH set, const std::string& file, const std::string& layer) {
   if (layer.empty()) return 1;
   double number = 0;
-  if (parse(layer, number) && number == std::floor(number) && number >= 1 && number <= set.GetRasterCount())
+  if (parse(layer, number) && number == std::floor(number) && number >= 1 && number <= gdal().GDALGetRasterCount(set))
     return static_cast<int>(number);
   std::string known;
-  for (int b = 1; b <= set.GetRasterCount(); ++b) {
-    std::string name = set.GetRasterBand(b)->GetDescription();
+  for (int b = 1; b <= gdal().GDALGetRasterCount(set); ++b) {
+    std::string name = gdal().GDALGetDescription(gdal().GDALGetRasterBand(set, b));
     if (is_called(name, layer)) return b;
     if (b <= 40) known += (b > 1 ? ", " : "") + name;
   }
@@ -136,18 +130,19 @@ bool is_envi(const std::string& file) {
   return false;
 }
 
-std::vector<double> layer_of(GDALDataset& set, const std::string& file, const std::string& layer, std::int64_t samples,
+std::vector<double> layer_of(GDALDatasetH set, const std::string& file, const std::string& layer, std::int64_t samples,
                              std::int64_t lines) {
-  if (set.GetRasterXSize() != samples || set.GetRasterYSize() != lines)
+  const int columns = gdal().GDALGetRasterXSize(set), rows = gdal().GDALGetRasterYSize(set);
+  if (columns != samples || rows != lines)
     throw Error(Fault::input, fmt::format("{}: has {} samples x {} lines, the image {} x {}; they must be of one size",
-                                          file, set.GetRasterXSize(), set.GetRasterYSize(), samples, lines));
-  GDALRasterBand* const band = set.GetRasterBand(band_called(set, file, layer));
+                                          file, columns, rows, samples, lines));
+  const GDALRasterBandH band = gdal().GDALGetRasterBand(set, band_called(set, file, layer));
   std::vector<double> out(static_cast<std::size_t>(samples * lines));
-  if (band->RasterIO(GF_Read, 0, 0, static_cast<int>(samples), static_cast<int>(lines), out.data(),
-                     static_cast<int>(samples), static_cast<int>(lines), GDT_Float64, 0, 0) != CE_None)
+  if (gdal().GDALRasterIO(band, GF_Read, 0, 0, columns, rows, out.data(), columns, rows, GDT_Float64, 0, 0) != CE_None)
     throw Error(Fault::environment, file + ": could not be read" + gdal_reason());
   int has = 0;
-  const double none = band->GetNoDataValue(&has), scale = band->GetScale(), offset = band->GetOffset();
+  const double none = gdal().GDALGetRasterNoDataValue(band, &has), scale = gdal().GDALGetRasterScale(band, nullptr),
+               offset = gdal().GDALGetRasterOffset(band, nullptr);
   for (double& v : out) v = has && v == none ? std::numeric_limits<double>::quiet_NaN() : v * scale + offset;
   return out;
 }
@@ -172,7 +167,7 @@ bool holds(double value, const std::string& comparison, double right) {
   return value == right;
 }
 
-Region of_raster(const std::string& name, const std::string& text, GDALDataset& set, const std::string& file,
+Region of_raster(const std::string& name, const std::string& text, GDALDatasetH set, const std::string& file,
                  const std::string& condition, const Cube& cube) {
   const Condition wanted = condition_of(condition);
   double right = 0;
@@ -187,43 +182,46 @@ Region of_raster(const std::string& name, const std::string& text, GDALDataset& 
 }
 
 /// An empty raster on the cube's grid.
-Dataset grid_of(const Cube& cube) {
-  GDALDriver* const memory = GetGDALDriverManager()->GetDriverByName("MEM");
-  Dataset out(memory ? memory->Create("", static_cast<int>(cube.samples()), static_cast<int>(cube.lines()), 1, GDT_Byte,
-                                      nullptr)
-                     : nullptr);
+GdalDataset grid_of(const Cube& cube) {
+  const GDALDriverH memory = gdal().GDALGetDriverByName("MEM");
+  GdalDataset out(memory ? gdal().GDALCreate(memory, "", static_cast<int>(cube.samples()),
+                                             static_cast<int>(cube.lines()), 1, GDT_Byte, nullptr)
+                         : nullptr);
   if (!out) throw Error(Fault::environment, "GDAL makes no raster in memory" + gdal_reason());
-  const Dataset like = open(products::find_envi_pair(cube.path()).data, GDAL_OF_RASTER);
+  const GdalDataset like = open(products::find_envi_pair(cube.path()).data, GDAL_OF_RASTER);
   double transform[6] = {0, 1, 0, 0, 0, 1};
   if (like && !cube.header().map_info.empty()) {
-    like->GetGeoTransform(transform);
-    if (const OGRSpatialReference* system = like->GetSpatialRef()) out->SetSpatialRef(system);
+    gdal().GDALGetGeoTransform(like.get(), transform);
+    if (const OGRSpatialReferenceH system = gdal().GDALGetSpatialRef(like.get()))
+      gdal().GDALSetSpatialRef(out.get(), system);
   }
-  out->SetGeoTransform(transform);
+  gdal().GDALSetGeoTransform(out.get(), transform);
   return out;
 }
 
-Region of_outlines(const std::string& name, const std::string& text, GDALDataset& set, const std::string& file,
+Region of_outlines(const std::string& name, const std::string& text, GDALDatasetH set, const std::string& file,
                    const std::string& condition, const Cube& cube) {
-  const Dataset grid = grid_of(cube);
-  OGRLayer* const layer = set.GetLayer(0);
-  if (!layer || layer->GetLayerDefn()->GetGeomFieldCount() == 0) refuse(text, file + " has no outlines");
+  const GdalDataset grid = grid_of(cube);
+  const OGRLayerH layer = gdal().GDALDatasetGetLayer(set, 0);
+  const OGRFeatureDefnH fields = layer ? gdal().OGR_L_GetLayerDefn(layer) : nullptr;
+  if (!layer || gdal().OGR_FD_GetGeomFieldCount(fields) == 0) refuse(text, file + " has no outlines");
   if (!condition.empty()) {
     const Condition wanted = condition_of(condition);
-    if (wanted.left.empty() || layer->GetLayerDefn()->GetFieldIndex(wanted.left.c_str()) < 0)
+    if (wanted.left.empty() || gdal().OGR_FD_GetFieldIndex(fields, wanted.left.c_str()) < 0)
       refuse(text, fmt::format("{} has no attribute \"{}\"; give FILE@ATTRIBUTE=TEXT", file, wanted.left));
     const std::string quoted = wanted.right.find('\'') == std::string::npos ? wanted.right : "";
-    if (layer->SetAttributeFilter(fmt::format("\"{}\" {} '{}'", wanted.left, wanted.comparison, quoted).c_str()) != 0)
+    const std::string filter = fmt::format("\"{}\" {} '{}'", wanted.left, wanted.comparison, quoted);
+    if (gdal().OGR_L_SetAttributeFilter(layer, filter.c_str()) != OGRERR_NONE)
       refuse(text, "its condition is not understood" + gdal_reason());
   }
-  if (cube.header().map_info.empty()) layer->GetLayerDefn()->GetGeomFieldDefn(0)->SetSpatialRef(nullptr);
+  if (cube.header().map_info.empty()) gdal().OGR_GFld_SetSpatialRef(gdal().OGR_FD_GetGeomFieldDefn(fields, 0), nullptr);
   int band = 1;
   double burnt = 1;
-  OGRLayerH layers[] = {OGRLayer::ToHandle(layer)};
-  if (GDALRasterizeLayers(GDALDataset::ToHandle(grid.get()), 1, &band, 1, layers, nullptr, nullptr, &burnt, nullptr,
-                          nullptr, nullptr) != CE_None)
+  OGRLayerH layers[] = {layer};
+  if (gdal().GDALRasterizeLayers(grid.get(), 1, &band, 1, layers, nullptr, nullptr, &burnt, nullptr, nullptr,
+                                 nullptr) != CE_None)
     refuse(text, file + " could not be laid over the image" + gdal_reason());
-  const std::vector<double> inside = layer_of(*grid, file, "", cube.samples(), cube.lines());
+  const std::vector<double> inside = layer_of(grid.get(), file, "", cube.samples(), cube.lines());
   return region_where(name, cube.samples(), cube.lines(), [&](std::int64_t line, std::int64_t sample) {
     return inside[static_cast<std::size_t>(line * cube.samples() + sample)] != 0;
   });
@@ -253,11 +251,12 @@ Region read_region(const std::string& text, const Cube& cube) {
   if (parse_rectangle(what, ends)) return rectangle(name, text, ends, cube);
   const auto at = std::filesystem::exists(what) ? std::string::npos : what.rfind('@');
   const std::string file = what.substr(0, at), condition = at == std::string::npos ? "" : what.substr(at + 1);
-  const Dataset set = open(is_envi(file) ? products::find_envi_pair(file).data : file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
+  const GdalDataset set =
+      open(is_envi(file) ? products::find_envi_pair(file).data : file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
   if (!set && !std::filesystem::exists(file)) refuse(text, file + " is no X0:X1,Y0:Y1, and no such file is there");
   if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads" + gdal_reason());
-  Region out = set->GetRasterCount() > 0 ? of_raster(name, text, *set, file, condition, cube)
-                                         : of_outlines(name, text, *set, file, condition, cube);
+  Region out = gdal().GDALGetRasterCount(set.get()) > 0 ? of_raster(name, text, set.get(), file, condition, cube)
+                                                        : of_outlines(name, text, set.get(), file, condition, cube);
   if (out.spans().empty()) refuse(text, "no pixel is in it");
   return out;
 }
@@ -265,15 +264,15 @@ Region read_region(const std::string& text, const Cube& cube) {
 std::vector<double> read_layer(const std::string& file, const std::string& layer, std::int64_t samples,
                                std::int64_t lines) {
   if (is_envi(file)) return envi_layer(file, layer, samples, lines);
-  const Dataset set = open(file, GDAL_OF_RASTER);
+  const GdalDataset set = open(file, GDAL_OF_RASTER);
   if (!set) throw Error(Fault::input, file + ": is no raster that can be read" + gdal_reason());
-  return layer_of(*set, file, layer, samples, lines);
+  return layer_of(set.get(), file, layer, samples, lines);
 }
 
 std::vector<Region> read_classes(const std::string& file, const Cube& cube) {
-  const Dataset set = open(file, GDAL_OF_RASTER);
+  const GdalDataset set = open(file, GDAL_OF_RASTER);
   if (!set) throw Error(Fault::input, file + ": is no raster that can be read" + gdal_reason());
-  const std::vector<double> value = layer_of(*set, file, "", cube.samples(), cube.lines());
+  const std::vector<double> value = layer_of(set.get(), file, "", cube.samples(), cube.lines());
   std::map<double, bool> values;
   for (const double v : value) {
     if (std::isfinite(v) && v != 0) values[v] = true;
@@ -281,10 +280,10 @@ std::vector<Region> read_classes(const std::string& file, const Cube& cube) {
       throw Error(Fault::input, file + ": has more than 10000 different values; it is no raster of classes");
   }
   if (values.empty()) throw Error(Fault::input, file + ": no pixel has a class (all are 0)");
-  char** const names = set->GetRasterBand(1)->GetCategoryNames();
+  char** const names = gdal().GDALGetRasterCategoryNames(gdal().GDALGetRasterBand(set.get(), 1));
   std::vector<Region> out;
   for (const auto& [number, unused] : values) {
-    const bool named = names && number == std::floor(number) && number > 0 && number < CSLCount(names);
+    const bool named = names && number == std::floor(number) && number > 0 && number < gdal().CSLCount(names);
     out.push_back(region_where(named ? names[static_cast<int>(number)] : fmt::format("{:g}", number), cube.samples(),
                                cube.lines(), [&, n = number](std::int64_t line, std::int64_t sample) {
                                  return value[static_cast<std::size_t>(line * cube.samples() + sample)] == n;

@@ -3,22 +3,24 @@
 #include <cmath>
 #include <vector>
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
 #include <fmt/format.h>
-#include <ogr_spatialref.h>
 
 #include "host/base/error.h"
+#include "host/base/gdal_library.h"
 
 namespace raycube::products {
 namespace {
 
-OGRSpatialReference projected_system(int epsg) {
-  CPLPushErrorHandler(CPLQuietErrorHandler);
-  OGRSpatialReference system;
-  const bool known = system.importFromEPSG(epsg) == OGRERR_NONE;
-  CPLPopErrorHandler();
-  if (!known || !system.IsProjected() || std::abs(system.GetLinearUnits() - 1) > 1e-12)
+using base::gdal;
+
+base::GdalSpatialReference projected_system(int epsg) {
+  base::GdalSpatialReference system(gdal().OSRNewSpatialReference(nullptr));
+  const auto known = [&] {
+    const base::QuietGdal quiet;
+    return gdal().OSRImportFromEPSG(system.get(), epsg) == OGRERR_NONE;
+  };
+  if (!known() || !gdal().OSRIsProjected(system.get()) ||
+      std::abs(gdal().OSRGetLinearUnits(system.get(), nullptr) - 1) > 1e-12)
     throw base::Error(base::Fault::input,
                       fmt::format("epsg must be a projected system in metres that PROJ knows (found {}); "
                                   "UTM north is 32601 to 32660",
@@ -26,12 +28,12 @@ OGRSpatialReference projected_system(int epsg) {
   return system;
 }
 
-std::string wkt_of(const OGRSpatialReference& system, const char* format) {
+std::string wkt_of(const base::GdalSpatialReference& system, const char* format) {
   char* text = nullptr;
   const char* const options[] = {format, nullptr};
   std::string out;
-  if (system.exportToWkt(&text, options) == OGRERR_NONE && text) out = text;
-  CPLFree(text);
+  if (gdal().OSRExportToWktEx(system.get(), &text, options) == OGRERR_NONE && text) out = text;
+  gdal().VSIFree(text);
   return out;
 }
 
@@ -62,10 +64,10 @@ std::optional<MapGrid> find_map_grid(std::int64_t samples, std::int64_t lines,
 
 void set_map_grid(EnviHeader& header, int epsg, double easting_m, double northing_m, double pixel_x_m,
                   double pixel_y_m) {
-  const OGRSpatialReference system = projected_system(epsg);
+  const base::GdalSpatialReference system = projected_system(epsg);
   int north = 0;
-  const int zone = system.GetUTMZone(&north);
-  const char* datum = system.GetAttrValue("DATUM");
+  const int zone = gdal().OSRGetUTMZone(system.get(), &north);
+  const char* datum = gdal().OSRGetAttrValue(system.get(), "DATUM", 0);
   const bool wgs84 = datum && std::string(datum).find("WGS_1984") != std::string::npos;
   const auto number = [](double value) { return fmt::format("{:.10g}", value); };
   header.map_info = {zone ? "UTM" : "Arbitrary", "1", "1", number(easting_m), number(northing_m), number(pixel_x_m),

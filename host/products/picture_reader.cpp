@@ -14,9 +14,9 @@
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
 #include <ImathBox.h>
-#include <gdal_priv.h>
 
 #include "host/base/error.h"
+#include "host/base/gdal_library.h"
 #include "host/base/text.h"
 
 namespace raycube::products {
@@ -24,6 +24,7 @@ namespace {
 
 using base::Error;
 using base::Fault;
+using base::gdal;
 
 constexpr std::int64_t kValuesAtOnce = 1 << 22;
 
@@ -138,25 +139,21 @@ Picture read_exr(const std::string& path, bool header_only, const std::function<
 
 /// GDAL's word on what it could not do.
 Error gdal_error(const std::string& path) {
-  const std::string said = CPLGetLastErrorMsg();
+  const std::string said = base::gdal_message();
   return {Fault::input, path + ": GDAL cannot read it: " + (said.empty() ? "no message" : said)};
 }
 
-struct ClosesPicture {
-  void operator()(GDALDataset* set) const { GDALClose(set); }
-};
-
-BandStatistics statistics_of(GDALRasterBand& band, const std::string& path,
+BandStatistics statistics_of(GDALRasterBandH band, const std::string& path,
                              const std::function<void(std::int64_t)>& after_lines) {
   BandStatistics out;
-  const int width = band.GetXSize(), height = band.GetYSize();
+  const int width = gdal().GDALGetRasterBandXSize(band), height = gdal().GDALGetRasterBandYSize(band);
   int has_ignored = 0;
-  const double ignored = band.GetNoDataValue(&has_ignored);
+  const double ignored = gdal().GDALGetRasterNoDataValue(band, &has_ignored);
   const int step = static_cast<int>(std::min<std::int64_t>(height, lines_at_once(width)));
   std::vector<double> values(static_cast<std::size_t>(step) * static_cast<std::size_t>(width));
   for (int line = 0; line < height; line += step) {
     const int lines = std::min(step, height - line);
-    if (band.RasterIO(GF_Read, 0, line, width, lines, values.data(), width, lines, GDT_Float64, 0, 0, nullptr) !=
+    if (gdal().GDALRasterIO(band, GF_Read, 0, line, width, lines, values.data(), width, lines, GDT_Float64, 0, 0) !=
         CE_None)
       throw gdal_error(path);
     for (std::size_t i = 0; i < static_cast<std::size_t>(lines) * static_cast<std::size_t>(width); ++i) {
@@ -172,31 +169,31 @@ BandStatistics statistics_of(GDALRasterBand& band, const std::string& path,
 
 Picture read_raster_picture(const std::string& path, bool header_only,
                             const std::function<void(std::int64_t)>& after_lines) {
-  GDALAllRegister();
-  const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
-  CPLErrorReset();
-  const std::unique_ptr<GDALDataset, ClosesPicture> set(
-      GDALDataset::FromHandle(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr)));
+  const base::QuietGdal quiet;
+  const base::GdalDataset set(
+      gdal().GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
   if (!set) throw gdal_error(path);
   Picture out;
-  const char* format = set->GetDriver()->GetMetadataItem(GDAL_DMD_LONGNAME);
-  out.format = format ? format : set->GetDriverName();
+  const GDALDriverH driver = gdal().GDALGetDatasetDriver(set.get());
+  const char* format = gdal().GDALGetMetadataItem(driver, GDAL_DMD_LONGNAME, "");
+  out.format = format ? format : gdal().GDALGetDriverShortName(driver);
   PicturePart& part = out.parts.emplace_back();
-  part.width = set->GetRasterXSize(), part.height = set->GetRasterYSize();
-  if (const char* how = set->GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE")) part.compression = how;
-  const CPLStringList texts(CSLDuplicate(set->GetMetadata()));
-  for (int i = 0; i < texts.Count(); ++i) {
+  part.width = gdal().GDALGetRasterXSize(set.get()), part.height = gdal().GDALGetRasterYSize(set.get());
+  if (const char* how = gdal().GDALGetMetadataItem(set.get(), "COMPRESSION", "IMAGE_STRUCTURE")) part.compression = how;
+  char* const* const texts = gdal().GDALGetMetadata(set.get(), "");
+  for (int i = 0; texts && texts[i]; ++i) {
     const std::string entry = texts[i];
     if (const auto equals = entry.find('='); equals != std::string::npos)
       part.texts[entry.substr(0, equals)] = entry.substr(equals + 1);
   }
   std::array<double, 6> transform{};
-  if (set->GetGeoTransform(transform.data()) == CE_None) out.transform = transform;
-  for (int b = 1; b <= set->GetRasterCount(); ++b) {
-    GDALRasterBand& band = *set->GetRasterBand(b);
-    const std::string named = band.GetDescription(),
-                      colour = GDALGetColorInterpretationName(band.GetColorInterpretation());
-    part.channels.push_back({named.empty() ? colour : named, GDALGetDataTypeName(band.GetRasterDataType()), {}});
+  if (gdal().GDALGetGeoTransform(set.get(), transform.data()) == CE_None) out.transform = transform;
+  for (int b = 1; b <= gdal().GDALGetRasterCount(set.get()); ++b) {
+    const GDALRasterBandH band = gdal().GDALGetRasterBand(set.get(), b);
+    const std::string named = gdal().GDALGetDescription(band),
+                      colour = gdal().GDALGetColorInterpretationName(gdal().GDALGetRasterColorInterpretation(band));
+    part.channels.push_back(
+        {named.empty() ? colour : named, gdal().GDALGetDataTypeName(gdal().GDALGetRasterDataType(band)), {}});
     if (!header_only) part.channels.back().statistics = statistics_of(band, path, after_lines);
   }
   return out;
