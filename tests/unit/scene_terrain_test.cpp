@@ -1,5 +1,7 @@
 // Terrain from rasters: heights, class maps and mixtures of materials (S2).
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 #include "scene_compiler/ground.h"
 #include "scene_compiler/raster.h"
@@ -9,6 +11,19 @@
 using namespace raycube;
 using namespace raycube::scene;
 using namespace raycube::scene::testing;
+
+// The first here: others leave GDAL behind by filling in posts.
+TEST_CASE("a raster is read by a child that has GDAL from this process, which loads it once for all of them") {
+  const Folder folder;
+  const std::string file = folder.write("dem.asc", ascii_grid(2, 2, 0, 0, 1, {1, 2, 3, 4}));
+  base::Problems problems;
+  const auto raster = read_raster(file, 1, 1, NoData::mark, {}, problems);
+  REQUIRE(raster);
+  CHECK(raster->bands == std::vector<std::vector<double>>{{1, 2, 3, 4}});
+  std::ostringstream libraries;
+  libraries << std::ifstream("/proc/self/maps").rdbuf();
+  CHECK(libraries.str().find("/libgdal.so") != std::string::npos);
+}
 
 TEST_CASE("S2 terrain: row 0 is north, class map aligned cell by cell, heights are the triangles' own") {
   const Folder folder;
