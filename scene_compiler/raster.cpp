@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <memory>
 
 #include "host/base/gdal_library.h"
 #include "host/base/limited_child.h"
