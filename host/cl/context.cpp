@@ -1,7 +1,11 @@
 #include "host/cl/context.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <map>
+#include <mutex>
+#include <vector>
 
 #include "host/base/doing.h"
 #include "host/cl/kernel.h"
@@ -18,35 +22,80 @@ constexpr std::size_t kMostPrograms = 12;
 
 }  // namespace
 
-struct Context::Built {
-  std::string source;
-  std::shared_ptr<const Program> program;
+struct Context::Shared {
+  struct Built {
+    std::string source;
+    std::shared_ptr<const Program> program;
+  };
+  Handle<cl_context, clReleaseContext> context;
+  std::mutex building;
+  std::vector<Built> built;  ///< the last used one last; gone before the context
 };
 
-Context::Context(Device device) : device_(std::move(device)), sizes_(default_launch_sizes(device_.info())) {
+struct Context::OfDevices {
+  std::mutex mutex;
+  std::map<cl_device_id, std::weak_ptr<Shared>> shared;
+  std::vector<std::shared_ptr<Shared>>* kept = nullptr;
+  std::atomic<std::size_t> kept_programs = 0;
+};
+
+Context::OfDevices& Context::of_devices() {
+  static OfDevices of;
+  return of;
+}
+
+std::shared_ptr<Context::Shared> Context::shared_of(const Device& device) {
+  OfDevices& of = of_devices();
+  const std::lock_guard lock(of.mutex);
+  const cl_device_id id = device();
+  std::shared_ptr<Shared> shared = of.shared[id].lock();
+  if (shared) return shared;
+  shared = std::make_shared<Shared>();
   cl_int status = CL_SUCCESS;
-  const cl_device_id id = device_();
-  context_ = Handle<cl_context, clReleaseContext>(clCreateContext(nullptr, 1, &id, nullptr, nullptr, &status));
-  check(status, "clCreateContext", device_.name());
-  queue_ = Handle<cl_command_queue, clReleaseCommandQueue>(clCreateCommandQueue(context_(), id, 0, &status));
+  shared->context = Handle<cl_context, clReleaseContext>(clCreateContext(nullptr, 1, &id, nullptr, nullptr, &status));
+  check(status, "clCreateContext", device.name());
+  of.shared[id] = shared;
+  if (of.kept_programs) {
+    static std::vector<std::shared_ptr<Shared>> kept;  // goes before what the first use of a device set up
+    of.kept = &kept;
+    kept.push_back(shared);
+  }
+  return shared;
+}
+
+void Context::keep_programs(std::size_t count) {
+  OfDevices& of = of_devices();
+  const std::lock_guard lock(of.mutex);
+  of.kept_programs = count;
+  if (of.kept) of.kept->clear();
+}
+
+Context::Context(Device device)
+    : device_(std::move(device)), shared_(shared_of(device_)), sizes_(default_launch_sizes(device_.info())) {
+  cl_int status = CL_SUCCESS;
+  queue_ = Handle<cl_command_queue, clReleaseCommandQueue>(clCreateCommandQueue((*this)(), device_(), 0, &status));
   check(status, "clCreateCommandQueue", device_.name());
 }
 
 Context::~Context() = default;
 
+cl_context Context::operator()() const { return shared_->context(); }
+
 std::shared_ptr<const Program> Context::program(const std::string& name, std::string_view source,
                                                 const std::string& options) const {
-  const std::lock_guard lock(building_);
-  const auto known = std::find_if(built_.begin(), built_.end(), [&](const Built& one) {
+  const std::lock_guard lock(shared_->building);
+  auto& built = shared_->built;
+  const auto known = std::find_if(built.begin(), built.end(), [&](const Shared::Built& one) {
     return one.program->name() == name && one.program->options() == options && one.source == source;
   });
-  if (known != built_.end()) {
-    std::rotate(known, known + 1, built_.end());
-    return built_.back().program;
+  if (known != built.end()) {
+    std::rotate(known, known + 1, built.end());
+    return built.back().program;
   }
   auto program = std::make_shared<const Program>(*this, name, source, options);
-  if (built_.size() == kMostPrograms) built_.erase(built_.begin());
-  built_.push_back({std::string(source), program});
+  const std::size_t kept = of_devices().kept_programs, most = kept ? kept : kMostPrograms;
+  if (built.size() >= most) built.erase(built.begin(), built.end() - static_cast<std::ptrdiff_t>(most - 1));
+  built.push_back({std::string(source), program});
   return program;
 }
 

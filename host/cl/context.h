@@ -1,12 +1,11 @@
-// A context with one in-order queue on one device. Several can live side by side.
+// A context with one in-order queue on one device. Several can live side by side; those of one device share the
+// driver's context and the programs built there.
 #pragma once
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "host/cl/device.h"
 #include "host/cl/handle.h"
@@ -31,13 +30,17 @@ class Context {
   Context(const Context&) = delete;  // buffers point to it
   Context& operator=(const Context&) = delete;
   const Device& device() const { return device_; }
-  cl_context operator()() const { return context_(); }
+  cl_context operator()() const;
   cl_command_queue queue() const { return queue_(); }
 
-  /// A program as Program builds it, or the one of the same name, source and options that was built here before and is
-  /// among those used last: even a build of compiled kernels takes the driver a twentieth of a second.
+  /// A program as Program builds it, or the one of the same name, source and options that was built before, while a
+  /// context of the device lived, and is among those used last: even a build of compiled kernels takes the driver a
+  /// twentieth of a second.
   std::shared_ptr<const Program> program(const std::string& name, std::string_view source,
                                          const std::string& options) const;
+  /// For processes that make many contexts one after the other: what those of a device share stays until the process
+  /// ends, with so many programs. 0, as it begins: while one of them lives, with a dozen.
+  static void keep_programs(std::size_t count);
   /// Enqueues `kernel` over `global` work-items; all arguments must be set. Does not wait. The local size is that of
   /// launch_sizes(), at most what device and kernel allow; items past its last multiple follow in a launch of their
   /// own.
@@ -52,14 +55,15 @@ class Context {
   void finish() const;
 
  private:
+  struct Shared;
+  struct OfDevices;
+  static OfDevices& of_devices();
+  static std::shared_ptr<Shared> shared_of(const Device& device);
   Device device_;
-  Handle<cl_context, clReleaseContext> context_;
+  std::shared_ptr<Shared> shared_;
   Handle<cl_command_queue, clReleaseCommandQueue> queue_;
   LaunchSizes sizes_;
   std::map<std::string, KernelTime>* times_ = nullptr;
-  struct Built;
-  mutable std::mutex building_;
-  mutable std::vector<Built> built_;  ///< the last used one last; gone before the context
 };
 
 }  // namespace raycube::cl

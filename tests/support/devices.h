@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/cl/context.h"
+#include "tests/support/kept_programs.h"
 
 namespace raycube::test {
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/render/lidar_renderer.h"
+#include "tests/support/kept_programs.h"
 
 namespace raycube::test {
 

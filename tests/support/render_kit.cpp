@@ -8,6 +8,7 @@
 #include "atmos_tables/table_rows.h"
 #include "host/render/truth.h"
 #include "host/sensors/view_bounds.h"
+#include "tests/support/kept_programs.h"
 
 namespace raycube::test {
 

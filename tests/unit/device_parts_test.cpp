@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/cl/context.h"
 #include "host/cl/kernel.h"
+#include "tests/support/kept_programs.h"
 
 using namespace raycube;
 
@@ -30,6 +31,12 @@ float run_once(cl::Device device) {
   context.finish();
   return values.read_all().back();
 }
+
+/// What contexts share goes with the last of them, while this lives.
+struct AsInProduct {
+  AsInProduct() { cl::Context::keep_programs(0); }
+  ~AsInProduct() { cl::Context::keep_programs(test::kKeptPrograms); }
+};
 
 /// Only CPUs are split (--threads).
 bool can_be_split(const cl::Device& device) {
@@ -57,6 +64,7 @@ TEST_CASE("S63 a hundred contexts on a part of a device and on the whole, one af
   const cl::Device whole = cl::find_device("");
   const std::uint32_t units = whole.info().compute_units;
   if (!can_be_split(whole)) return;
+  const AsInProduct as_in_product;
   for (int round = 0; round < 50; ++round) {
     CHECK(run_once(whole.with_compute_units(1)) == 12.5f);
     CHECK(run_once(whole.with_compute_units(units)) == 12.5f);
@@ -64,6 +72,7 @@ TEST_CASE("S63 a hundred contexts on a part of a device and on the whole, one af
 }
 
 TEST_CASE("a context builds a program of one name, source and options once") {
+  const AsInProduct as_in_product;
   const cl::Context context(cl::find_device(""));
   const auto one = context.program("add_one", kSource, "");
   CHECK(context.program("add_one", kSource, "") == one);
@@ -72,4 +81,22 @@ TEST_CASE("a context builds a program of one name, source and options once") {
   for (int i = 0; i < 13; ++i) context.program("add_one", kSource, "-DOTHER=" + std::to_string(2 + i));
   CHECK(context.program("add_one", kSource, "") != one);  // others came after it, and this holds it still
   CHECK(cl::Kernel(*one, "add_one").name() == "add_one");
+}
+
+TEST_CASE("contexts of a device that live side by side share programs, those of its parts have their own") {
+  const AsInProduct as_in_product;
+  const cl::Device whole = cl::find_device("");
+  const cl::Context one(whole);
+  const auto program = one.program("add_one", kSource, "");
+  {
+    const cl::Context beside(whole);
+    CHECK(beside() == one());
+    CHECK(beside.queue() != one.queue());
+    CHECK(beside.program("add_one", kSource, "") == program);
+  }
+  CHECK(one.program("add_one", kSource, "") == program);
+  if (!can_be_split(whole)) return;
+  const cl::Context part(whole.with_compute_units(1));
+  CHECK(part() != one());
+  CHECK(part.program("add_one", kSource, "") != program);
 }
