@@ -93,15 +93,16 @@ Spectrum log_linear(const RenderTable& table, const Row& row, const std::vector<
   const std::size_t count = wavelengths(table).size();
   const RowView view(table, row);
   const std::vector<Corner> corners = corners_of(table, point);
+  const std::vector<std::size_t> offset = view.offsets(point, corners);
   Spectrum out(count, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
     double sum = 0, log_sum = 0;
     bool positive = true;
-    for (const Corner& corner : corners) {
-      const double value = view.at(view.offset(point, corner), i);
-      sum += corner.weight * value;
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const double value = view.at(offset[c], i);
+      sum += corners[c].weight * value;
       positive = positive && value > 0;
-      if (positive) log_sum += corner.weight * std::log(value);
+      if (positive) log_sum += corners[c].weight * std::log(value);
     }
     out[i] = corners.size() == 1 || !positive ? sum : std::exp(log_sum);
   }

@@ -106,15 +106,18 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
     std::vector<Corner> corners;
     std::vector<Coordinate> depth_point;
     std::vector<Corner> depth_corners;
+    std::vector<std::size_t> offset, depth_offset;  ///< of the corners' values
   };
   const auto shape_of = [&](double height, double zenith, double relative) {
     const double mu = std::cos(base::rad_by_division(zenith));
     const double cosine =
         cos_sun * mu + sin_sun * std::sin(base::rad_by_division(zenith)) * std::cos(base::rad_by_division(relative));
     const double angle = base::deg_by_division(std::acos(std::clamp(cosine, -1.0, 1.0)));
-    Shape s{mu, {{"target_height", height}, {"scattering_angle", angle}}, {}, {{"target_height", height}}, {}};
+    Shape s{mu, {{"target_height", height}, {"scattering_angle", angle}}, {}, {{"target_height", height}}, {}, {}, {}};
     s.corners = corners_of(table, s.point);
     s.depth_corners = corners_of(table, s.depth_point);
+    s.offset = phase_view.offsets(s.point, s.corners);
+    s.depth_offset = depth_view.offsets(s.depth_point, s.depth_corners);
     return s;
   };
   // What divides the sky between nodes, for the column's phase function and for an even one.
@@ -123,8 +126,9 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
   };
   const auto value_of = [&](const Shape& s, std::size_t i) {
     double phase = 0, depth = 0;
-    for (const Corner& c : s.corners) phase += c.weight * phase_view.at(phase_view.offset(s.point, c), i);
-    for (const Corner& c : s.depth_corners) depth += c.weight * depth_view.at(depth_view.offset(s.depth_point, c), i);
+    for (std::size_t c = 0; c < s.corners.size(); ++c) phase += s.corners[c].weight * phase_view.at(s.offset[c], i);
+    for (std::size_t c = 0; c < s.depth_corners.size(); ++c)
+      depth += s.depth_corners[c].weight * depth_view.at(s.depth_offset[c], i);
     const double even = sky_shape(1, depth, cos_sun, s.cos_view);
     return Value{phase * even, even};
   };
@@ -132,6 +136,7 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
   std::vector<Shape> shapes;
   for (const Corner& corner : corners)
     shapes.push_back(shape_of(heights[corner.node[0]], zeniths[corner.node[1]], azimuths[corner.node[2]]));
+  const std::vector<std::size_t> offset = view.offsets(point, corners);
   // How the sky grows with the phase function around the sun says how much of it is light scattered once.
   struct SunNodes {
     double weight;
@@ -150,10 +155,11 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
   const Shape here = shape_of(height_m, zenith_deg, azimuth);
   const std::size_t count = wavelengths(table).size();
   Spectrum out(count, 0.0);
+  std::vector<SkyNode> nodes;
   for (std::size_t i = 0; i < count; ++i) {
     double once = 0;
     for (const SunNodes& list : sun_nodes) {
-      std::vector<SkyNode> nodes;
+      nodes.clear();
       for (std::size_t n = 0; n < list.shape.size(); ++n) {
         const Value value = value_of(list.shape[n], i);
         if (value.even > 0) nodes.push_back({value.scattered / value.even, view.at(list.offset[n], i) / value.even});
@@ -163,7 +169,7 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
     double plain = 0, rest = 0;
     bool usable = true;
     for (std::size_t c = 0; c < corners.size(); ++c) {
-      const double value = view.at(view.offset(point, corners[c]), i);
+      const double value = view.at(offset[c], i);
       plain += corners[c].weight * value;
       const Value node = value_of(shapes[c], i);
       if (node.even > 0)

@@ -56,7 +56,7 @@ RowView::RowView(const RenderTable& table, const Row& row) : row_(row) {
   k_stride_ = this->stride("k");
 }
 
-std::size_t RowView::stride(const std::string& axis) const {
+std::size_t RowView::stride(std::string_view axis) const {
   for (const auto& [name, stride] : strides_)
     if (name == axis) return stride;
   return 0;
@@ -66,6 +66,13 @@ std::size_t RowView::offset(const std::vector<Coordinate>& point, const Corner& 
   std::size_t at = 0;
   for (std::size_t i = 0; i < point.size(); ++i) at += corner.node[i] * stride(point[i].axis);
   return at;
+}
+
+std::vector<std::size_t> RowView::offsets(const std::vector<Coordinate>& point,
+                                          const std::vector<Corner>& corners) const {
+  std::vector<std::size_t> out;
+  for (const Corner& corner : corners) out.push_back(offset(point, corner));
+  return out;
 }
 
 Spectrum linear(const RenderTable& table, const Row& row, const std::vector<Coordinate>& point) {

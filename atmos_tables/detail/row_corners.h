@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -42,12 +43,13 @@ class RowView {
   RowView(const RenderTable& table, const Row& row);
   bool has_k() const { return k_stride_ != 0; }
   std::size_t offset(const std::vector<Coordinate>& point, const Corner& corner) const;
+  std::vector<std::size_t> offsets(const std::vector<Coordinate>& point, const std::vector<Corner>& corners) const;
   double at(std::size_t offset, std::size_t wavelength, std::size_t k = 0) const {
     return row_.values[offset + wavelength * wavelength_stride_ + k * k_stride_];
   }
 
  private:
-  std::size_t stride(const std::string& axis) const;
+  std::size_t stride(std::string_view axis) const;
 
   const Row& row_;
   std::size_t wavelength_stride_ = 0, k_stride_ = 0;
