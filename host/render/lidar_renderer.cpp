@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "host/base/doing.h"
@@ -173,8 +174,8 @@ LidarAirArguments air_arguments(const DeviceTables& device, const lidar::LidarPl
 /// One kernel, its own program.
 struct Stage {
   Stage(const cl::Context& context, const std::string& name, const std::string& options)
-      : program(context, name, kernels::kernel_source(name), options), kernel(program, name) {}
-  cl::Program program;
+      : program(context.program(name, kernels::kernel_source(name), options)), kernel(*program, name) {}
+  std::shared_ptr<const cl::Program> program;
   cl::Kernel kernel;
 };
 
