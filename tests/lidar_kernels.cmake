@@ -7,6 +7,7 @@ raycube_test(lidar_lobes SOURCES oracle/lidar_lobes_test.cpp LIBS raycube_lidar_
 raycube_test(lobe_forms SOURCES oracle/lobe_forms_test.cpp LIBS raycube_scene_compiler LABELS fast)
 raycube_test(materials SOURCES oracle/materials_test.cpp LIBS raycube_probes raycube_scene_compiler LABELS
   fast LOOPS)
+raycube_full_test(materials "twice the draws of every shape")
 raycube_test(lidar_bounce SOURCES oracle/lidar_bounce_test.cpp LIBS raycube_lidar_support raycube::render LABELS fast)
 raycube_test(lidar_air_return SOURCES oracle/lidar_air_return_test.cpp LIBS raycube_lidar_support raycube::render LABELS
   fast)

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/lobe_albedo.h"
 #include "scene_compiler/shape_list.h"
+#include "tests/support/full.h"
 #include "tests/support/shape_cases.h"
 
 namespace {
@@ -24,23 +26,30 @@ RcLocal towards(double cosine, double azimuth_rad) {
 /// Integral of f cos over the hemisphere that light comes from: midpoints in cosine and azimuth.
 double summed(const scene::Shape& shape, const RcLocal& out) {
   constexpr int n = 500;
+  static const std::vector<RcLocal> level = [] {
+    std::vector<RcLocal> all;
+    for (int j = 0; j < n; ++j) all.push_back(towards(0, 2 * kPi * (j + 0.5) / n));
+    return all;
+  }();
   double sum = 0;
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      const double cosine = (i + 0.5) / n;
-      const RcLocal in = towards(cosine, 2 * kPi * (j + 0.5) / n);
-      sum += cosine * rc_shape_eval(shape.number, 1, shape.parameters(), rc_angles({0, 0, 1}, in, out));
+  for (int i = 0; i < n; ++i) {
+    const double cosine = (i + 0.5) / n, sine = std::sqrt(1 - cosine * cosine);
+    for (const RcLocal& turned : level) {
+      const RcAngles angles = rc_angles({0, 0, 1}, {sine * turned.x, sine * turned.y, cosine}, out);
+      sum += cosine * rc_shape_eval(shape.number, 1, shape.parameters(), angles);
     }
+  }
   return 2 * kPi * sum / n / n;
 }
 
-/// Every shape that reflects, near the lower end, in the middle and at the upper end of its parameters' ranges; facets
-/// no narrower than cameras take them.
+/// Every shape that reflects, near the lower end, of all cases in the middle, and at the upper end of its parameters'
+/// ranges; facets no narrower than cameras take them.
 std::vector<scene::Shape> reflecting_shapes() {
   std::vector<scene::Shape> out;
   for (const auto& entry : scene::shape_entries()) {
     if (entry.role == scene::ShapeRole::behind) continue;
     for (const double part : {0.1, 0.4, 1.0}) {
+      if (part == 0.4 && !testing::full()) continue;
       scene::Shape shape = test::shape_at(entry, part);
       if (entry.number == RC_SHAPE_ward) shape.parameter[2] = std::min(1.0, 2 * shape.parameter[0]);
       out.push_back(shape);
@@ -59,6 +68,7 @@ TEST_CASE("S21 S4.8 what a shape sends of an even light is the sum over directio
     double worst = 0, worst_table = 0;
     for (const double cosine : {0.995, 0.71, 0.318, 0.153})
       for (const double azimuth : {0.3, 2.1}) {
+        if (azimuth > 1 && shape.number != RC_SHAPE_ward && !testing::full()) continue;  // the others have no grain
         const RcLocal out = towards(cosine, azimuth);
         const double want = summed(shape, out), found = scene::lobe_albedo(shape, out);
         CAPTURE(cosine);

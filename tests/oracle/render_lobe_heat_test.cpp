@@ -91,7 +91,7 @@ void give_lobes(scene::Material& material, int kind) {
 /// `normal`, all in one frame.
 double sent(const scene::Shape& shape, const RcLocal& normal, const RcLocal& out,
             const std::function<bool(const RcLocal&)>& part) {
-  constexpr int n = 700;
+  constexpr int n = 300;
   double sum = 0;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
@@ -192,7 +192,7 @@ TEST_CASE("S4.8 S21 a hot glossy wall warms the ground before it by its lobes, a
   CHECK(image.plan.thermal.surroundings_K == doctest::Approx(around_K));
   // Over the quarter of directions towards the wall: what it does not send back of an even light towards the ground.
   double front_share = 0, gloss_share = 0;
-  constexpr int n = 120;
+  constexpr int n = 40;
   for (int i = 0; i < n; ++i) {
     const double z = (i + 0.5) / n, r = std::sqrt(1 - z * z);
     for (int j = 0; j < n; ++j) {

@@ -98,7 +98,9 @@ Point place_in_pixel(const scene::Instrument& instrument, int line, int sample, 
     const double a = (along[0] - here[0]) / step, b = (across[0] - here[0]) / step, c = (along[1] - here[1]) / step,
                  d = (across[1] - here[1]) / step;
     const double det = a * d - b * c;
-    u -= (d * here[0] - b * here[1]) / det, v -= (a * here[1] - c * here[0]) / det;
+    const double du = (d * here[0] - b * here[1]) / det, dv = (a * here[1] - c * here[0]) / det;
+    u -= du, v -= dv;
+    if (std::abs(du) + std::abs(dv) < 1e-9) break;  // the next step is its square
   }
   return {u, v};
 }

@@ -67,8 +67,8 @@ struct Tilted {
     simulation.instruments[0].bands = test::gaussian_bands(kCentres, 0.005);
     simulation.bounces = 0, simulation.bounces_given = true;
   }
-  /// Towards the sensor from where the centre of a pixel meets the plane.
-  RcLocal viewer(int line, int pixel) const {
+  /// Towards the sensor from where the centre of a pixel, or of a block of pixels, meets the plane.
+  RcLocal viewer(double line, double pixel) const {
     const auto& camera = simulation.instruments[0];
     const double gsd = kGsd_m * 6 / camera.pixels;
     const double x = (pixel + 0.5 - camera.pixels / 2.0) * gsd, y = (camera.lines / 2.0 - line - 0.5) * gsd;
@@ -175,33 +175,49 @@ TEST_CASE("S21 shapes by wavelength: an even sky is the integral of what lies be
     scene.simulation.sky_directions = 128;
     scene.simulation.instruments[0].samples_u = scene.simulation.instruments[0].samples_v = 2;
     const auto image = test::render_image(scene.simulation, atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0}));
-    for (std::size_t b = 0; b < kCentres.size(); ++b) {
-      double difference = 0, square = 0;
-      int count = 0;
-      for (int line = 0; line < image.lines; ++line)
-        for (int pixel = 0; pixel < image.pixels; ++pixel) {
-          double sum = 0;
-          constexpr int kRows = 60, kColumns = 120;
-          for (int i = 0; i < kRows; ++i)
-            for (int j = 0; j < kColumns; ++j) {
-              const double cosine = (i + 0.5) / kRows, sine = std::sqrt(1 - cosine * cosine);
-              const double turn = 2 * kPi * (j + 0.5) / kColumns;
-              const RcAngles angles = rc_angles(scene.normal, {sine * std::cos(turn), sine * std::sin(turn), cosine},
-                                                scene.viewer(line, pixel));
-              if (angles.cos_in > 0) sum += scene.sent(kCentres[b], angles, glossy) * angles.cos_in;
+    // By blocks of pixels, as in test render_shapes.
+    constexpr int kBlock = 4;
+    struct Sums {
+      double difference = 0, square = 0, square_of_pixels = 0;
+    };
+    std::vector<Sums> sums(kCentres.size());
+    int count = 0;
+    for (int line = 0; line < image.lines; line += kBlock)
+      for (int pixel = 0; pixel < image.pixels; pixel += kBlock) {
+        const RcLocal viewer = scene.viewer(line + 0.5 * (kBlock - 1), pixel + 0.5 * (kBlock - 1));
+        std::vector<double> sum(kCentres.size());
+        constexpr int kRows = 60, kColumns = 120;
+        for (int i = 0; i < kRows; ++i)
+          for (int j = 0; j < kColumns; ++j) {
+            const double cosine = (i + 0.5) / kRows, sine = std::sqrt(1 - cosine * cosine);
+            const double turn = 2 * kPi * (j + 0.5) / kColumns;
+            const RcAngles angles =
+                rc_angles(scene.normal, {sine * std::cos(turn), sine * std::sin(turn), cosine}, viewer);
+            if (!(angles.cos_in > 0)) continue;
+            for (std::size_t b = 0; b < sum.size(); ++b)
+              sum[b] += scene.sent(kCentres[b], angles, glossy) * angles.cos_in;
+          }
+        for (std::size_t b = 0; b < sum.size(); ++b) {
+          const double want = kSkyRadiance * sum[b] * 2 * kPi / (kRows * kColumns);
+          double off = 0;
+          for (int i = 0; i < kBlock; ++i)
+            for (int j = 0; j < kBlock; ++j) {
+              const double of_pixel = image.at(line + i, pixel + j, static_cast<int>(b)) / want - 1;
+              off += of_pixel / (kBlock * kBlock), sums[b].square_of_pixels += of_pixel * of_pixel;
             }
-          const double want = kSkyRadiance * sum * 2 * kPi / (kRows * kColumns);
-          const double off = image.at(line, pixel, static_cast<int>(b)) / want - 1;
-          difference += off, square += off * off, ++count;
+          sums[b].difference += off, sums[b].square += off * off;
         }
-      difference /= count;
-      const double error = std::sqrt(std::max(0.0, square / count - difference * difference) / count);
+        ++count;
+      }
+    for (std::size_t b = 0; b < kCentres.size(); ++b) {
+      const double difference = sums[b].difference / count;
+      const double error = std::sqrt(std::max(0.0, sums[b].square / count - difference * difference) / count);
       CAPTURE(glossy);
       CAPTURE(kCentres[b]);
       CAPTURE(difference);
       CAPTURE(error);
       CHECK(std::abs(difference) < 4 * error + 1e-3);  // of the quadrature 1e-3, as in test render_shapes
-      CHECK(std::sqrt(square / count) < 0.15);
+      CHECK(std::sqrt(sums[b].square_of_pixels / (count * kBlock * kBlock)) < 0.15);
     }
   }
 }

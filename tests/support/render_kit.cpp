@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "atmos_tables/table_rows.h"
 #include "host/render/truth.h"
@@ -114,9 +115,15 @@ std::vector<scene::Band> gaussian_bands(const std::vector<double>& centers_um, d
 Image render_image(const scene::Simulation& simulation, const atmos::RenderTable& table,
                    const render::RenderOptions& options, const std::function<void(plan::Plan&)>& adjust) {
   const scene::Instrument& instrument = simulation.instruments.at(0);
+  plan::Plan plan = plan::make_plan(simulation, instrument, table, sensors::view_bounds(instrument));
+  if (adjust) adjust(plan);
+  return render_planned(simulation, std::move(plan), options);
+}
+
+Image render_planned(const scene::Simulation& simulation, plan::Plan plan, const render::RenderOptions& options) {
+  const scene::Instrument& instrument = simulation.instruments.at(0);
   Image image;
-  image.plan = plan::make_plan(simulation, instrument, table, sensors::view_bounds(instrument));
-  if (adjust) adjust(image.plan);
+  image.plan = std::move(plan);
   image.lines = instrument.lines;
   image.pixels = instrument.pixels;
   image.bands = static_cast<int>(instrument.bands.size());

@@ -48,6 +48,9 @@ struct Image {
 Image render_image(const scene::Simulation& simulation, const atmos::RenderTable& table,
                    const render::RenderOptions& options = {}, const std::function<void(plan::Plan&)>& adjust = {});
 
+/// Renders instrument 0 by a plan that is made.
+Image render_planned(const scene::Simulation& simulation, plan::Plan plan, const render::RenderOptions& options = {});
+
 /// Largest |radiance / expected[band] - 1| of all pixels.
 double worst_relative(const Image& image, const std::vector<double>& expected);
 
