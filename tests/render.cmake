@@ -14,6 +14,7 @@ raycube_test(photons SOURCES oracle/photons_test.cpp LIBS raycube::run raycube_r
 if(TARGET raycube_reference)
   raycube_test(bounces_reference SOURCES cross/bounces_reference_test.cpp
                LIBS raycube::run raycube_test_scenes raycube_reference raycube_render_support LABELS fast device)
+  raycube_full_test(bounces_reference "three woods more, and four times the paths of mirrors and panes")
 endif()
 # Without a device: what takes the strips.
 raycube_test(any_order SOURCES unit/any_order_test.cpp LIBS raycube::run raycube_render_support LABELS fast)

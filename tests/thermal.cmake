@@ -7,11 +7,12 @@ raycube_test(render_warm_bounces SOURCES oracle/render_warm_bounces_test.cpp
 raycube_test(render_lobe_heat SOURCES oracle/render_lobe_heat_test.cpp LIBS raycube_render_support LABELS fast
   device LOOPS)
 raycube_test(lobe_albedo SOURCES oracle/lobe_albedo_test.cpp LIBS raycube::scene_matter LABELS fast LOOPS)
+raycube_full_test(lobe_albedo "every shape in the middle of its parameters' ranges too")
 raycube_test(render_heat SOURCES oracle/render_heat_test.cpp LIBS raycube_render_support LABELS fast device)
 if(TARGET raycube_reference)
   raycube_test(thermal_reference SOURCES cross/thermal_reference_test.cpp
                LIBS raycube::run raycube_test_scenes raycube_reference raycube_render_support LABELS fast device)
-  raycube_full_test(thermal_reference "a village's paths four times: two minutes")
+  raycube_full_test(thermal_reference "a village's paths five times, of four times the directions: two minutes")
 endif()
 add_test(NAME thermal_cli COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/cli/thermal_cli_test.py
   $<TARGET_FILE:raycube>)
