@@ -257,9 +257,8 @@ def main():
         sys.exit("atmosphere_charts.py: RAYCUBE_SHARED is not set; the reference figures are read there")
     with tempfile.TemporaryDirectory() as name:
         for test in TESTS:
-            subprocess.run(
-                [build / "tests" / f"test_anchor_{test}"], check=True, env={**os.environ, "RAYCUBE_CHARTS": name}
-            )
+            env = {**os.environ, "RAYCUBE_CHARTS": name, "RAYCUBE_FULL": "1"}
+            subprocess.run([build / "tests" / f"test_anchor_{test}"], check=True, env=env)
         folder = pathlib.Path(name)
         for draw in (lowtran_thermal, modtran5_transmission, modtran5_thermal, modtran6, uvspec, g173):
             draw(folder)

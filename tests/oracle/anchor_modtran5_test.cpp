@@ -15,6 +15,7 @@
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/interpolate.h"
 #include "host/base/planck.h"
+#include "tests/support/full.h"
 #include "tests/support/layered_anchor.h"
 
 using namespace raycube;
@@ -28,6 +29,8 @@ const char* const kFile = "anchors/modtran521_pybsm_mls_rural.csv";
 struct Path {
   const char* name;
   double sensor_m, zenith_deg, visibility_km;
+  /// 2 km has the gases of 1 km and 20 km between them: of all cases.
+  bool looked_at() const { return sensor_m != 2000 || testing::full(); }
 };
 const Path kPaths[] = {{"h1000_g0_v23", 1000, 0, 23},
                        {"h2000_g0_v23", 2000, 0, 23},
@@ -66,11 +69,16 @@ std::vector<double> grid(double from_um, double to_um, double step_um) {
 
 /// The reference's mean over a box, its points 10 nm apart.
 double reference_mean(std::vector<testing::AnchorRow>& rows, double um, double half_um, const std::string& column) {
+  static const std::vector<double> at = [&] {  // of the one file
+    std::vector<double> out;
+    for (testing::AnchorRow& row : rows) out.push_back(row["wavelength_um"]);
+    return out;
+  }();
   double sum = 0, weights = 0;
-  for (testing::AnchorRow& row : rows) {
-    const double off = std::abs(row["wavelength_um"] - um);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double off = std::abs(at[i] - um);
     const double weight = off < half_um - 1e-6 ? 1 : off < half_um + 1e-6 ? 0.5 : 0;
-    if (weight > 0) sum += weight * row.at(column), weights += weight;
+    if (weight > 0) sum += weight * rows[i].at(column), weights += weight;
   }
   return sum / weights;
 }
@@ -89,6 +97,10 @@ TEST_CASE("A-13 S3.2 tables' transmission 0.58 to 3.96 um against MODTRAN 5.2.1"
   const auto columns = std::array{0, 1, 2, 4};
   std::vector<std::vector<double>> found;
   for (int p : columns) {
+    if (!kPaths[p].looked_at()) {
+      found.emplace_back();
+      continue;
+    }
     auto spec = scene_of(kPaths[p]);
     // Transmissions are the band model's: neither k-terms nor streams nor the sun touch them.
     spec.layered->k_terms = 1, spec.layered->streams = 2;
@@ -113,6 +125,7 @@ TEST_CASE("A-13 S3.2 tables' transmission 0.58 to 3.96 um against MODTRAN 5.2.1"
   for (const Limit& limit : limits) {
     std::printf("%4.2f-%4.2f um:", limit.band.from_um, limit.band.to_um);
     for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (found[c].empty()) continue;
       testing::Errors error;
       for (std::size_t k = 4; k + 4 < um.size(); ++k) {
         if (um[k] < limit.band.from_um - 1e-6 || um[k] > limit.band.to_um - 1e-6 || k % 2 != 0) continue;
@@ -126,7 +139,7 @@ TEST_CASE("A-13 S3.2 tables' transmission 0.58 to 3.96 um against MODTRAN 5.2.1"
     }
     std::printf("\n");
   }
-  for (std::size_t k = 4; k + 4 < um.size(); k += 2) {
+  for (std::size_t k = 4; k + 4 < um.size() && testing::full(); k += 2) {
     std::vector<double> line = {um[k]};
     for (std::size_t c = 0; c < columns.size(); ++c)
       line.insert(line.end(),
@@ -155,6 +168,7 @@ TEST_CASE("A-13 S3.1 tables' transmission and thermal path radiance 3.4 to 13 um
       {{11.5, 12}, {.020, .024, .027}, {0.93, 0.94, 0.93}},    {{12, 12.5}, {-.001, .001, -.003}, {1.00, 1.00, 0.98}},
       {{12.5, 13}, {.036, .038, .030}, {0.93, 0.94, 0.92}},    {{8, 13}, {-.005, -.005, .005}, {1.00, 1.00, 0.97}}};
   for (const Path& path : kPaths) {
+    if (!path.looked_at()) continue;
     auto spec = scene_of(path);
     spec.layered->streams =
         8;  // the solver gives what is scattered, a tenth of this light at most: 1e-3 of it from 16 streams

@@ -16,6 +16,7 @@
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/optics/standard_air.h"
+#include "tests/support/full.h"
 #include "tests/support/layered_anchor.h"
 #include "tests/unit/test_folder.h"
 
@@ -151,8 +152,10 @@ TEST_CASE("A-15 transmission and path radiance of the thermal infrared per 0.5 u
     const char* name;
     double water, ozone;
   };
+  // Short: the ends of both.
   for (const Case& c : {Case{"w0.5_o0.2", 0.5, 0.2}, Case{"w1.0_o0.2", 1.0, 0.2}, Case{"w1.5_o0.2", 1.5, 0.2},
                         Case{"w2.0_o0.2", 2.0, 0.2}, Case{"w2.5_o0.2", 2.5, 0.2}, Case{"w2.0_o0.075", 2.0, 0.075}}) {
+    if (!testing::full() && c.ozone == 0.2 && c.water > 0.5 && c.water < 2.5) continue;
     spec.layered->water_g_cm2 = c.water, spec.layered->ozone_atm_cm = c.ozone;
     const RenderTable table = build_layered(spec, testing::sun_at(testing::kNight_deg), 18945 - 1155, um, {0});
     const auto t = view_transmission(table, 0, 0), light = path_radiance_thermal(table, 0, 0);
