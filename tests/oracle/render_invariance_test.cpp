@@ -130,11 +130,10 @@ TEST_CASE("S60 S63 radiance and truth are the same bytes for any tiles, memory, 
   const auto again = test::render_image(simulation, table_for(simulation));
   CHECK(same_bytes(again.radiance, first.radiance));
   CHECK(same_bytes(again.truth, first.truth));
-  check_same(
-      simulation, first,
-      {tiles(1), tiles(7), tiles(64), tiles(67), memory(std::size_t{256} << 20),
-       memory(std::size_t{8} << 30), threads(1), threads(2), capacity(1), capacity(2), capacity(16), capacity(256),
-       launches(5), launches(1 << 20), launches(5, 6 * 128 * 10), launches(1, std::size_t{1} << 30)});
+  check_same(simulation, first,
+             {tiles(1), tiles(7), tiles(64), tiles(67), memory(std::size_t{256} << 20), memory(std::size_t{8} << 30),
+              threads(1), threads(2), capacity(1), capacity(2), capacity(16), capacity(256), launches(5),
+              launches(1 << 20), launches(5, 6 * 128 * 10), launches(1, std::size_t{1} << 30)});
 }
 
 TEST_CASE("S63 tiles follow the samples that a launch is worth") {
