@@ -1,5 +1,6 @@
 raycube_test(lidar_plan SOURCES unit/lidar_plan_test.cpp LIBS raycube::lidar raycube_lidar_support LABELS fast)
 raycube_test(lidar_truth SOURCES unit/lidar_truth_test.cpp LIBS raycube_lidar_support LABELS fast)
-add_test(NAME lidar_render COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_render_test.py
-  $<TARGET_FILE:raycube> ${PROJECT_SOURCE_DIR}/scenes)
-set_tests_properties(lidar_render PROPERTIES LABELS device SKIP_RETURN_CODE 77)
+raycube_cli_test(lidar_render ${PROJECT_SOURCE_DIR}/scenes ${CMAKE_BINARY_DIR}/tests/park/a)
+raycube_full_cli_test(lidar_render "the park's survey by one thread as well: 12 s" ${PROJECT_SOURCE_DIR}/scenes
+  ${CMAKE_BINARY_DIR}/tests/park/a)
+set_tests_properties(lidar_render lidar_render_full PROPERTIES FIXTURES_REQUIRED park)

@@ -23,6 +23,10 @@ set(RAYCUBE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with numpy that runs 
 add_test(NAME park_generator COMMAND ${RAYCUBE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/cli/park_generator_test.py
   ${PROJECT_SOURCE_DIR}/scenes ${CMAKE_BINARY_DIR}/tests/park)
 set_tests_properties(park_generator PROPERTIES LABELS slow FIXTURES_SETUP park)
+# The park twice, whose files must be the same: 13 s each.
+add_test(NAME park_generator_full COMMAND ${RAYCUBE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/cli/park_generator_test.py
+  ${PROJECT_SOURCE_DIR}/scenes ${CMAKE_BINARY_DIR}/tests/park_full --full)
+set_tests_properties(park_generator_full PROPERTIES LABELS "slow;full")
 raycube_test(park_scene SOURCES unit/park_scene_test.cpp LIBS raycube::scene_compiler LABELS slow)
 set_tests_properties(park_scene PROPERTIES FIXTURES_REQUIRED park ENVIRONMENT
   "RAYCUBE_PARK=${CMAKE_BINARY_DIR}/tests/park/a")

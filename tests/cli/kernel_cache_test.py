@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Where compiled kernels are kept (host/cl/kernel_cache.h): a folder of the user's own that is checked, healed and
 swept; a private one without a home; one error where the disk is full. The oracle is the digest of a run with the
-driver's own cache. usage: kernel_cache_test.py RAYCUBE [--full]
-Without --full: what is kept, what is damaged (in half of the ways) and what has no home. The other cases find an empty
-cache each, and so compile all kernels anew, 3 to 12 s a time."""
+driver's own cache. usage: kernel_cache_test.py RAYCUBE TWO_KERNELS [--full]
+Without --full: what is kept, what is damaged (in half of the ways) and what has no home, of TWO_KERNELS: a program that
+compiles two kernels of a line each, 1 s, where a render compiles for 3 to 12 s. Of the render, that it heals what is
+damaged. The other cases find an empty cache each, and so compile all kernels anew."""
 
 import fcntl
 import hashlib
@@ -17,10 +18,11 @@ import tempfile
 import time
 
 import patience
-from driver import FULL, Program, record, scene
+from driver import FULL, Program, own_cache, record, scene
 
 program = Program(sys.argv[1])
 check = program.check
+TWO_KERNELS = pathlib.Path(sys.argv[2]).resolve()
 SHARED_PLACES = [pathlib.Path("/tmp/.cache/pocl"), pathlib.Path("/tmp/.cache/raycube"), pathlib.Path("/tmp/pocl")]
 
 
@@ -35,23 +37,24 @@ def environment(work, **more):
     return {**kept, "TMPDIR": str(work / "tmp"), **{name: str(value) for name, value in more.items()}}
 
 
-def render(work, name, env, status=0, warnings=0, says=(), **more):
-    """A render of the small scene; returns (its digest, stderr)."""
+def command(work, out, whole):
+    render = [program.path, "render", work / "tiny.toml", "-o", out, "--overwrite"]
+    return render if whole else [TWO_KERNELS]
+
+
+def render(work, name, env, status=0, warnings=0, says=(), whole=FULL, **more):
+    """A render of the small scene, or two kernels; returns (its digest, or their sums, and stderr)."""
     out = work / "out" / name
-    done = patience.run(
-        [program.path, "render", work / "tiny.toml", "-o", out, "--overwrite"],
-        env=env,
-        capture_output=True,
-        text=True,
-        **more,
-    )
+    done = patience.run(command(work, out, whole), env=env, capture_output=True, text=True, **more)
     check(done.returncode == status, name, done.returncode, done.stderr)
     check(done.stderr.count("raycube: warning: ") == warnings, name, done.stderr)
     for part in says:
         check(part in done.stderr, name, part, done.stderr)
     if status != 0:
         check(done.stderr.count("raycube: error: ") == 1, name, done.stderr)
-    return record(out / "camera")["digest"] if status == 0 else "", done.stderr
+    if status != 0:
+        return "", done.stderr
+    return record(out / "camera")["digest"] if whole else done.stdout, done.stderr
 
 
 def kept_in(folder):
@@ -306,6 +309,25 @@ def sound_but_useless(work, env, store, digest):
     victim.chmod(0o600)
 
 
+def healed_by_a_render(work):
+    """The program itself, whose kernels are the usual cache's: it finds them, and heals what is damaged of them."""
+    env = environment(work, XDG_CACHE_HOME=own_cache(work / "usual"))
+    program.run("render", work / "tiny.toml", "-o", work / "out/first", env=env)  # compiles where nothing was kept yet
+    digest = record(work / "out/first/camera")["digest"]
+    store = work / "usual/cache/raycube/kernels"
+    asked = work / "asked.tsv"
+    check(render(work, "second", {**env, "RAYCUBE_PROGRAM_LOG": str(asked)}, whole=True)[0] == digest)
+    programs = [line.split("\t") for line in asked.read_text().splitlines()]
+    check(len(programs) >= 2 and {how for _, _, how, _ in programs} == {"kept"}, programs)
+    victim = min((store / f"{key}.kernels" for _, key, _, _ in programs), key=lambda path: path.stat().st_size)
+    content = victim.read_bytes()
+    victim.unlink()  # the usual cache's file may be this one
+    victim.write_bytes(content[: len(content) // 2])
+    says = [str(victim), "damaged", "compiled anew"]
+    check(render(work, "healed", env, warnings=1, says=says, whole=True)[0] == digest)
+    check(victim.stat().st_size > len(content) // 2)
+
+
 def at_once(work, digest):
     """Two runs that find an empty cache at the same time."""
     env = environment(work, XDG_CACHE_HOME=work / "together")
@@ -336,5 +358,6 @@ with tempfile.TemporaryDirectory() as folder:
         sweep(work, env, store, kept)
         full_disk(work, digest)
         at_once(work, digest)
-    shutil.rmtree(work / "out")
+    else:
+        healed_by_a_render(work)
 print(f"kernel cache: {program.checks} checks")

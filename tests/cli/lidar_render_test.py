@@ -1,29 +1,39 @@
 #!/usr/bin/env python3
 """The shipped LIDAR scenes as users render them, with fewer pulses: ledgers closed, files that agree, the same bits
 however they were made, and the methane column of the pipeline survey retrieved from its own counts.
-usage: lidar_render_test.py RAYCUBE SCENES"""
+usage: lidar_render_test.py RAYCUBE SCENES PARK [--full], PARK a folder that scenes/park/generate.py wrote
+Without --full: the park is rendered once, in many tiles, and the bits of one thread and of many tiles are those of the
+pipeline survey and of the Geiger array; one of the shipped scenes has its pictures drawn, 3.5 s each."""
 
 import csv
 import json
 import math
 import pathlib
 import re
-import subprocess
+import shutil
 import sys
 import tempfile
 
 import numpy
-import patience
-from driver import GROUND, PULSE_AND_RECEIVER, Program, envi, gate
+from driver import FULL, GROUND, PULSE_AND_RECEIVER, Program, envi, gate
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
 scenes = pathlib.Path(sys.argv[2]).resolve()
 
 
-def fewer(source, target, pulses):
-    """The scene with so many pulses, beside the files it names."""
-    text = re.sub(r"(?m)^pulses = \d+", f"pulses = {pulses}", source.read_text())
+park = pathlib.Path(sys.argv[3]).resolve()
+ONE_THREAD, MANY_TILES = ["--threads", "1"], ["--threads", "2", "--memory", "64M"]
+
+
+def fewer(source, target, pulses, drawn=False):
+    """The scene with so many pulses, beside the files it names; its pictures drawn or not."""
+    text, changed = re.subn(r"(?m)^pulses = \d+", f"pulses = {pulses}", source.read_text())
+    assert changed == 1, source
+    if not drawn:
+        head = "[lidar.products]\n"
+        text = text if head in text else f"{text}\n{head}"
+        text = text.replace(head, head + "png = false\n")
     target.write_text(text)
     return target
 
@@ -54,6 +64,12 @@ def digest(scene, out, *options):
     return json.loads((folder / "run.json").read_text())["digest"]
 
 
+def same_bits(scene, out):
+    """Rendered by one thread, then in many tiles."""
+    bits = {digest(scene, out, *options) for options in (ONE_THREAD, MANY_TILES)}
+    check(len(bits) == 1, bits)
+
+
 def briggs_plume_ppm(points):
     """Mixing ratio of the shipped leak, after the formula in docs/lidar.md: 2 g/s, 2.5 m/s towards 70 degrees, 0.8 m
     up, class D."""
@@ -74,44 +90,40 @@ def briggs_plume_ppm(points):
     return per_cm3 / 2.479371580e19 * 1e6
 
 
-def line_transmission(column_ppm_m, wavelength_nm):
-    """Two ways through a column for a Gaussian laser line of 0.02 nm on the shipped Lorentz line, the line averaged
+def line_transmission(columns_ppm_m, wavelength_nm):
+    """Two ways through columns for a Gaussian laser line of 0.02 nm on the shipped Lorentz line, the line averaged
     after the exponential."""
     z = numpy.linspace(-8, 8, 2001)
     weight = numpy.exp(-(z**2) / 2)
     wavenumber = 1e7 / (wavelength_nm + 0.02 * 0.42466090014400953 * z)
     cross = 2.0e-19 / math.pi * 0.06 / ((wavenumber - 3030.0) ** 2 + 0.06**2)
-    return float((weight * numpy.exp(-2 * column_ppm_m * 2.479371580e15 * cross)).sum() / weight.sum())
+    columns = numpy.atleast_1d(columns_ppm_m)
+    return numpy.exp(-2 * 2.479371580e15 * columns[:, None] * cross) @ weight / weight.sum()
 
 
 ON_NM, OFF_NM = 3300.330033, 3298.697015
 
 
-def column_from(ratio):
-    """Column whose on over off transmission is `ratio`: bisection on the exact curve, so that no cross section has to
-    be averaged."""
-    low, high = 0.0, 5000.0
-    for _ in range(60):
+def columns_from(ratios):
+    """Columns whose on over off transmissions are `ratios`: bisection on the exact curve, so that no cross section has
+    to be averaged."""
+    low, high = numpy.zeros(len(ratios)), numpy.full(len(ratios), 5000.0)
+    for _ in range(30):  # to 5 millionths
         middle = 0.5 * (low + high)
-        if line_transmission(middle, ON_NM) / line_transmission(middle, OFF_NM) > ratio:
-            low = middle
-        else:
-            high = middle
+        more = line_transmission(middle, ON_NM) / line_transmission(middle, OFF_NM) > ratios
+        low, high = numpy.where(more, middle, low), numpy.where(more, high, middle)
     return 0.5 * (low + high)
 
 
 def dial(work):
     """S33: the column retrieved from the counts of both lines lies within its own sigma of the truth."""
-    run(
-        "render",
-        fewer(scenes / "lidar/pipeline_dial.toml", work / "pipeline_dial.toml", 240),
-        "-o",
-        work / "dial",
-        "--overwrite",
-    )
+    scene = fewer(scenes / "lidar/pipeline_dial.toml", work / "pipeline_dial.toml", 240)
+    same_bits(scene, work / "dial")
     rows, _ = closed(work / "dial/dial", 240, 2)
+    dry = json.loads(run("render", scene, "--dry-run", "--json").stdout)["instruments"][0]
+    check(dry["pulses"] == 240 and dry["rays"] == 240 * 64, dry)
     ground = {row["pulse"] for row in table(work / "dial/dial/returns.csv") if row["material"] == "steel"}
-    deviations, plume = [], []
+    truths, ratios, variances, plume = [], [], [], []
     for on, off in zip(rows[::2], rows[1::2]):
         check(on["line"] == "on" and off["line"] == "off" and on["pulse"] == off["pulse"])
         if on["pulse"] in ground:
@@ -125,18 +137,17 @@ def dial(work):
             for name in ("exit", "axis")
         )
         length = -exit_m[2] / axis[2]
-        steps = (numpy.arange(20000) + 0.5) / 20000 * length
+        steps = (numpy.arange(4000) + 0.5) / 4000 * length  # of 4 cm: the leak is 20 cm wide and more
         leak = briggs_plume_ppm(exit_m + steps[:, None] * axis).mean() * length
-        truth = 1.9 * length + leak
+        truths.append(1.9 * length + leak)
         counts = [float(row["recorded_pe"]) / float(row["photons_emitted"]) for row in (on, off)]
-        found = column_from(counts[0] / counts[1])
-        slope = math.log(line_transmission(truth, OFF_NM) / line_transmission(truth, ON_NM)) - math.log(
-            line_transmission(truth - 1, OFF_NM) / line_transmission(truth - 1, ON_NM)
-        )
-        variance = sum(1 / float(row["recorded_pe"]) + 1 / float(row["speckle_modes"]) for row in (on, off))
-        deviations.append((found - truth) / (math.sqrt(variance) / slope))
+        ratios.append(counts[0] / counts[1])
+        variances.append(sum(1 / float(row["recorded_pe"]) + 1 / float(row["speckle_modes"]) for row in (on, off)))
         plume.append(leak)
-    deviations = numpy.array(deviations)
+    truth = numpy.array(truths)
+    depth = lambda column: numpy.log(line_transmission(column, OFF_NM) / line_transmission(column, ON_NM))
+    slope = depth(truth) - depth(truth - 1)
+    deviations = (columns_from(numpy.array(ratios)) - truth) / (numpy.sqrt(variances) / slope)
     print(
         f"DIAL: {len(deviations)} pulses over bare ground, leak up to {max(plume):.0f} ppm m; deviation / sigma: mean "
         f"{deviations.mean():.2f}, "
@@ -150,13 +161,7 @@ def dial(work):
 
 
 def geiger(work):
-    run(
-        "render",
-        fewer(scenes / "lidar/geiger_array.toml", work / "geiger_array.toml", 2),
-        "-o",
-        work / "geiger",
-        "--overwrite",
-    )
+    same_bits(fewer(scenes / "lidar/geiger_array.toml", work / "geiger_array.toml", 2), work / "geiger")
     closed(work / "geiger/flash", 2, 1)
     tags = table(work / "geiger/flash/photons.csv")
     firsts = {(row["pulse"], row["pixel"]) for row in tags}
@@ -166,13 +171,14 @@ def geiger(work):
 
 
 def survey(work):
-    patience.run([sys.executable, scenes / "park/generate.py", work / "park"], check=True, stdout=subprocess.DEVNULL)
-    scene = fewer(work / "park/park_survey.toml", work / "park/few.toml", 200)
-    bits = {
-        digest(scene, work / "survey", *options)
-        for options in (["--threads", "1"], ["--threads", "2", "--memory", "64M"])
-    }
-    check(len(bits) == 1, bits)
+    shutil.copytree(park, work / "park")
+    scene = fewer(work / "park/park_survey.toml", work / "park/few.toml", 200, drawn=True)
+    if FULL:
+        same_bits(scene, work / "survey")
+    else:
+        digest(scene, work / "survey", *MANY_TILES)
+    pictures = [path.read_bytes() for path in (work / "survey/survey").glob("*.png")]
+    check(len(pictures) >= 3 and all(data.startswith(b"\x89PNG") for data in pictures), len(pictures))
     rows, record = closed(work / "survey/survey", 200, 1)
     returns = table(work / "survey/survey/returns.csv")
     check(len(returns) == record["survey"]["echoes"] >= 195, len(returns))
@@ -186,8 +192,6 @@ def survey(work):
         len(exact) > 50 and abs(numpy.median(exact)) < 0.01 and numpy.percentile(numpy.abs(exact), 68) < 0.05,
         numpy.percentile(exact, [5, 50, 95]),
     )
-    dry = json.loads(run("render", scene, "--dry-run", "--json").stdout)["instruments"][0]
-    check(dry["pulses"] == 200 and dry["rays"] == 200 * 64, dry)
 
 
 FOLDED = (

@@ -2,7 +2,8 @@
 absorb nothing, reciprocity, and for a layer of leaves a turbid medium's Monte Carlo written here: no geometry, own
 draws. usage: measure_test.py RAYCUBE SCENES [--full]
 Without --full: the sparser canopy that absorbs nothing alone, which takes a quarter of the denser one's minute, the
-turbid medium in one plane at three angles, and fewer directions over level ground, where each is a check of its own."""
+turbid medium in one plane at three angles; fewer directions over level ground, where each is a check of its own and each
+sample gives the same; and half as many paths where sun and viewer change places, which are held to standard errors."""
 
 import json
 import math
@@ -64,6 +65,12 @@ size_m = [20.0, 10.0]
 """
 
 
+def with_fewer(text, directions=12, samples="pixels = 3\nsamples = 4\npaths = 4\n"):
+    """So many directions and samples of each; by default few."""
+    text = text.replace("directions = 60", f"directions = {directions}")
+    return text.replace("[[measure]]\n", "[[measure]]\n" + samples)
+
+
 def direction(zenith_deg, azimuth_deg):
     zenith, azimuth = math.radians(zenith_deg), math.radians(azimuth_deg)
     return numpy.array(
@@ -83,7 +90,7 @@ def fujii(to_sun, to_viewer, sigma_deg):
 def check_planes(folder):
     """Level ground: its reflectance in every direction; rough ground: brighter on the sun's side."""
     file = folder / "plane.toml"
-    level = PLANE if FULL else PLANE.replace("directions = 60", "directions = 24")
+    level = PLANE if FULL else with_fewer(PLANE)
     file.write_text(level.replace("MORE", ""))
     found = measured(file)
     for name in ("pp", "op", "all"):
@@ -220,10 +227,10 @@ def check_turbid(folder):
 
 def check_reciprocity(folder):
     """Sun and viewer change places, over the same leaves."""
-    found = {}
+    found, paths = {}, 256 if FULL else 128
     for sun, view, azimuth in ((20, 60, 180), (60, 20, 0)):
         edit = lambda text: only("principal")(text).replace(
-            "height_m = 2.0", f"height_m = 2.0\nzenith_deg = [{-view}, {-view}, 1]\nsamples = 256\npaths = 256"
+            "height_m = 2.0", f"height_m = 2.0\nzenith_deg = [{-view}, {-view}, 1]\nsamples = 256\npaths = {paths}"
         ).replace("azimuth_deg = 180.0", f"azimuth_deg = {azimuth}.0")
         leaves = ("--lai", 3, *SMALL, "--angles", "planophile")
         file = canopy(folder / f"sun{sun}", *leaves, "--sun-zenith", sun, edit=edit)
@@ -253,7 +260,7 @@ def check_cell(folder):
     text = PLANE.replace("MORE", '[[material]]\nname = "corner"\nreflectance = 0.9').replace("500.0, 500.0", "8.0, 8.0")
     text = text.replace("[[plane]]", corner + "[[plane]]", 1).replace("20.0, 10.0", "8.0, 8.0")
     text = text.replace("format = 1", "format = 1\nscene = { periodic = { x_m = 8.0, y_m = 8.0, copies = 8 } }")
-    file.write_text(text)
+    file.write_text(text if FULL else with_fewer(text, 24, ""))
     wanted = 0.3 + (0.9 - 0.3) / 16
     found = measured(file)
     for view in found["all"]["views"] + found["pp"]["views"]:
@@ -287,7 +294,9 @@ def check_refusals(folder):
     says("no [[measure]]", "add one", old=good[good.index("[[measure]]") :], new="")
     file.write_text(good)
     refused("measure", file, "--name", "up", "-o", folder / "bad", status=2, says=("there are: pp, op, all",))
+    file.write_text(with_fewer(good))
     run("measure", file, "--name", "pp", "-o", folder / "bad")
+    file.write_text(good)
     refused("measure", file, "--name", "pp", "-o", folder / "bad", status=2, says=("is there already", "--overwrite"))
     # Another plane under the same name: nothing of the first stays beside it.
     for views, left in (('views = "orthogonal"', {"brfop", "measure"}), ('views = "hemisphere"', {"measure"})):

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks the shipped park against issue-level numbers, reading the files as any user would (S1, S2, S3, S42, S52, S54).
 
-Usage: park_generator_test.py SCENES_DIR WORK_DIR. Exit status 1 and one line per failure.
+Usage: park_generator_test.py SCENES_DIR WORK_DIR [--full]. Exit status 1 and one line per failure.
+Without --full the generator runs once: that the same seed makes the same files takes it a second time.
 The oracle is the requirement itself: counts and sizes are taken from the written files, never from facts.json.
 """
 
@@ -94,7 +95,7 @@ class Park:
 def generated(scenes, work):
     """The park of the first of two runs, or None when the generator fails."""
     digests = []
-    for run in ("a", "b"):
+    for run in ("a", "b") if "--full" in sys.argv else ("a",):
         done = patience.run(
             [sys.executable, str(scenes / "park" / "generate.py"), str(work / run)], capture_output=True, text=True
         )
@@ -106,7 +107,8 @@ def generated(scenes, work):
         if done.returncode:
             return None
         digests.append(digest(work / run))
-    check("same seed, same files", digests[0] == digests[1], digests[0][:16])
+    if len(digests) > 1:
+        check("same seed, same files", digests[0] == digests[1], digests[0][:16])
     return Park(work / "a")
 
 

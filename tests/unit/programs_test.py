@@ -14,7 +14,7 @@ import pathlib
 import shutil
 import sys
 
-TRIFLES = {"add_one", "broken", "probe_structs"}
+TRIFLES = {"add_one", "broken", "double_and_add", "probe_structs"}
 
 
 def main():
