@@ -1,7 +1,6 @@
 """S62 S64: `raycube chart` as users run it, on a tiny scene: figures, files, cache, refusals. Counts are compared,
 never wall times. usage: chart_test.py RAYCUBE FOLDER [--full]
-Without --full: half of the pixels of the street, not what stating the tolerance that is usual changes (nothing), and no
-chart again as text."""
+Without --full: not what stating the tolerance that is usual changes (nothing), and no chart again as text."""
 
 import csv
 import json
@@ -183,7 +182,7 @@ time = { sun = { zenith_deg = 40.0, azimuth_deg = 150.0 } }
 """
     + CAMERA.replace("gsd_m = 1.0", "gsd_m = 0.15")
 )
-asked = ["chart", street, "--pixels", 16 if FULL else 8, "--timed-pixels", 64, "--reference-grid", 4, "--repeats", 1, "-o", out]
+asked = ["chart", street, "--pixels", 16, "--timed-pixels", 64, "--reference-grid", 4, "--repeats", 1, "-o", out]
 run(*asked, "--knob", "bounces", "--overwrite", env=env)
 table = rows(out / "camera_chart/chart.csv")
 error = {row["label"]: float(row["error"]) for row in table if row["knob"] == "bounces"}
