@@ -6,8 +6,8 @@ checkerboard of 24 x 24 ft, blue felt and cotton in turns; pure ones of 12 x 12 
 wholly on them. Samples are jittered: a grid of 32 x 32 meets each second 2 ft at one phase (0.6096 m are 19.507 of its
 steps) and finds cotton 5 % too often. Allowed (issue): 1 point of share on radiance, 3 points on reflectance;
 reflectance of what is no panel within 0.005 in all windows.
-usage: analyze_targets_test.py RAYCUBE [--full]. Without --full the hazy air alone, which is the harder one, and a quarter
-of the samples; and of the air each 20 nm, a tenth of its wavelengths, whose table takes half a minute else.
+usage: analyze_targets_test.py RAYCUBE [--full]. Without --full the hazy air alone, which is the harder one, a
+quarter of the samples, and of the air each 20 nm, a tenth of its wavelengths, whose table takes half a minute else.
 """
 
 import pathlib

@@ -1,7 +1,7 @@
 """S60 S61: `raycube check` as users run it: the shipped park with both instruments, what it prints and writes, and how
 it fails. usage: check_cli_test.py RAYCUBE PARK [--full], PARK a folder that scenes/park/generate.py wrote
-Without --full: fewer rays and pixels, every twelfth of the imager's bands, and the report of what fails once, as text and
-file."""
+Without --full: fewer rays and pixels, every twelfth of the imager's bands, and the report of what fails once, as text
+and file."""
 
 import json
 import pathlib

@@ -2,8 +2,9 @@
 absorb nothing, reciprocity, and for a layer of leaves a turbid medium's Monte Carlo written here: no geometry, own
 draws. usage: measure_test.py RAYCUBE SCENES [--full]
 Without --full: the sparser canopy that absorbs nothing alone, which takes a quarter of the denser one's minute, the
-turbid medium in one plane at three angles; fewer directions over level ground, where each is a check of its own and each
-sample gives the same; and half as many paths where sun and viewer change places, which are held to standard errors."""
+turbid medium in one plane at three angles; fewer directions over level ground, where each is a check of its own and
+each sample gives the same; and half as many paths where sun and viewer change places, which are held to standard
+errors."""
 
 import json
 import math
