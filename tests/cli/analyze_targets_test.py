@@ -6,8 +6,8 @@ checkerboard of 24 x 24 ft, blue felt and cotton in turns; pure ones of 12 x 12 
 wholly on them. Samples are jittered: a grid of 32 x 32 meets each second 2 ft at one phase (0.6096 m are 19.507 of its
 steps) and finds cotton 5 % too often. Allowed (issue): 1 point of share on radiance, 3 points on reflectance;
 reflectance of what is no panel within 0.005 in all windows.
-usage: analyze_targets_test.py RAYCUBE [--full]. Without --full the hazy air alone, which is the harder one, a
-quarter of the samples, and of the air each 20 nm, a tenth of its wavelengths, whose table takes half a minute else.
+usage: analyze_targets_test.py RAYCUBE [--full]. Without --full the hazy air alone, which is the harder one,
+and of that each 20 nm, a tenth of its wavelengths, whose table takes half a minute else.
 """
 
 import pathlib
@@ -22,7 +22,7 @@ from driver import FULL, Program, envi
 program = Program(sys.argv[1])
 analyze = Analysis(program).run
 FOOT = 0.3048
-SIDE, AIR = (32, "") if FULL else (16, ", spectral_step_nm = 20.0")
+AIR = "" if FULL else ", spectral_step_nm = 20.0"
 NM = np.arange(350, 2501, 10.0)
 #: Where the air lets too little through to tell anything of the ground.
 WINDOWS = [(420, 900), (980, 1090), (1170, 1320), (1530, 1760), (2060, 2350)]
@@ -66,7 +66,7 @@ def scene(folder, aod):
         "time = { sun = { zenith_deg = 35.0, azimuth_deg = 150.0, day_of_year = 264 } }\n"
         '[[plane]]\nmaterial = "asphalt"\nsize_m = [400.0, 400.0]\n' + mixed + pure + panels + "[[instrument]]\n"
         'name = "camera"\nkind = "framing"\npixels = 36\nlines = 36\naltitude_agl_m = 610.0\ngsd_m = 1.0\n'
-        f"samples = {{ jittered = [{SIDE}, {SIDE}] }}\n"
+        "samples = { jittered = [32, 32] }\n"
         "bands = { first_nm = 420.0, step_nm = 12.0, count = 160, fwhm_nm = 10.0 }\n"
     )
     program.run("render", folder / "scene.toml", "-o", folder / "out", "--overwrite", "-q", "-q")
