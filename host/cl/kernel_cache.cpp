@@ -39,6 +39,8 @@ constexpr std::uint64_t kRoom_bytes =
 constexpr std::uint64_t kMost_bytes = 256u << 20;  ///< of all that is kept; the longest unused goes first
 constexpr auto kMostAge = std::chrono::hours(24 * 90);
 constexpr const char* kSuffix = ".kernels";
+constexpr const char* kDriverCode = "program.bc";   ///< PoCL's intermediate code, in its folder of a program
+constexpr const char* kKeptCode = "raycube-code.bc";  ///< what a program was built of, beside it
 constexpr const char* kRunPrefix = "run-";
 constexpr const char* kPrivatePrefix = "raycube-kernels-";
 
@@ -227,6 +229,11 @@ void write_files(const fs::path& driver, const KernelFiles& files) {
   }
 }
 
+std::string content_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 /// The driver's folder that a kept file belongs to.
 std::string folder_of(const fs::path& name) { return (*name.begin() / *std::next(name.begin())).string(); }
 
@@ -297,6 +304,7 @@ KeptKernels::KeptKernels(std::string_view key) : key_(base::sha256_hex(key)), bu
   Cache& c = cache();
   if (!c.ours) return;
   found_ = c.folders.count(key_) > 0 || (!c.store.empty() && take());
+  if (found_ && c.folders[key_].size() == 1) code_ = content_of(c.driver / *c.folders[key_].begin() / kKeptCode);
   before_ = driver_folders(c.driver);
 }
 
@@ -323,11 +331,27 @@ bool KeptKernels::take() const {
   return true;
 }
 
-void KeptKernels::built() {
+std::set<std::string> KeptKernels::new_folders() const {
+  auto folders = driver_folders(cache().driver);
+  std::erase_if(folders, [&](const auto& folder) { return before_.count(folder) > 0; });
+  return folders;
+}
+
+void KeptKernels::take_code() {
+  const fs::path& driver = cache().driver;
+  const auto folders = cache().ours ? new_folders() : std::set<std::string>();
+  if (folders.size() != 1) return;
+  code_ = content_of(driver / *folders.begin() / kDriverCode);
+  std::error_code ignored;
+  fs::remove_all(driver / *folders.begin(), ignored);  // a build from source would take the code for a whole program
+}
+
+void KeptKernels::built(bool of_code) {
   Cache& c = cache();
   if (c.ours) {
-    auto folders = driver_folders(c.driver);
-    std::erase_if(folders, [&](const auto& folder) { return before_.count(folder) > 0; });
+    auto folders = new_folders();
+    if (of_code && folders.size() == 1)
+      std::ofstream(c.driver / *folders.begin() / kKeptCode, std::ios::binary) << code_;
     // New ones replace what was kept: the driver did not find its own there (another version, another
     // processor).
     if (!folders.empty()) c.folders[key_] = std::move(folders);
@@ -360,7 +384,8 @@ void KeptKernels::keep() const {
       // Of other work-group sizes, by another run; not of a driver that does not look there any more.
       for (const auto& entry : kept)
         if (folders->second.count(folder_of(entry.first))) files.insert(entry);
-      if (files == kept) return;
+      // A run beside this one compiled the same program: its code names another file, so its folder has another name.
+      if (files == kept || (!found_ && kept.size() >= files.size())) return;
     } catch (const std::exception&) {  // written anew
     }
   base::OutputFile out(file.string(), base::IfExists::replace);

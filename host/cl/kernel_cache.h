@@ -54,8 +54,13 @@ class KeptKernels {
   bool found() const { return found_; }
   /// The SHA-256 of the key, hexadecimal.
   const std::string& hash() const { return key_; }
-  /// The driver has made its folders for the program.
-  void built();
+  /// The driver's intermediate code of the program that was kept with its kernels: a program built of it needs no
+  /// front end. Empty where there is none.
+  const std::string& code() const { return code_; }
+  /// After the driver's front end compiled the source: takes the intermediate code that it wrote, if it wrote any.
+  void take_code();
+  /// The driver has made its folders for the program, `of_code` by a build of the intermediate code.
+  void built(bool of_code);
   /// Keeps the program's files if the driver has added to them. Call it when no kernel of it is compiled any
   /// more.
   ~KeptKernels();
@@ -65,7 +70,9 @@ class KeptKernels {
  private:
   bool take() const;
   void keep() const;
+  std::set<std::string> new_folders() const;
   std::string key_;  ///< SHA-256, hexadecimal
+  std::string code_;
   bool found_ = false;
   std::unique_lock<std::mutex> building_;
   std::set<std::string> before_;  ///< the driver's folders before the build

@@ -11,6 +11,9 @@ namespace raycube::cl {
 
 namespace {
 
+/// Its programs are built of the intermediate code of their first build.
+constexpr const char* kPocl = "Portable Computing Language";
+
 /// One line for a program in the file that RAYCUBE_PROGRAM_LOG names, if it names one: name, hash, whether it is
 /// compiled or was kept by an earlier run, options. Lines of processes side by side do not mix.
 void log_program(const std::string& name, const KeptKernels& kept, const std::string& options) {
@@ -36,29 +39,59 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
   std::string key;
   for (const std::string_view part :
        {std::string_view(on.platform), std::string_view(on.name), std::string_view(on.version),
-        std::string_view(on.driver), std::string_view(asked), source})
+        std::string_view(on.driver), std::string_view(asked), source, std::string_view("built of code")})
     (key += part) += '\0';
   kept_ = std::make_unique<KeptKernels>(key);
   log_program(name, *kept_, asked);
   const DriverWork work;
+  bool of_code = build(created_of_code(context), asked) == CL_SUCCESS;
+  if (!of_code && on.platform == kPocl) {
+    const Built front = created_of_source(context, source);
+    if (clCompileProgram(front(), 1, &device_, asked.c_str(), 0, nullptr, nullptr, nullptr, nullptr) == CL_SUCCESS)
+      kept_->take_code();
+    of_code = build(created_of_code(context), asked) == CL_SUCCESS;
+  }
+  if (!of_code) {
+    const cl_int status = build(created_of_source(context, source), asked);
+    if (status != CL_SUCCESS) blame_full_disk();
+    if (status != CL_SUCCESS)
+      throw base::Error(base::Fault::device, "OpenCL: clBuildProgram of '" + name + "' failed with " +
+                                                 status_name(status) + " on device '" + device_name_ + "', options '" +
+                                                 asked + "':\n" + log_);
+  }
+  kept_->built(of_code);
+}
+
+Program::Built Program::created_of_source(const Context& context, std::string_view source) const {
   cl_int status = CL_SUCCESS;
   const char* text = source.data();
   const std::size_t length = source.size();
-  program_ = Handle<cl_program, clReleaseProgram>(clCreateProgramWithSource(context(), 1, &text, &length, &status));
-  check(status, "clCreateProgramWithSource of '" + name + "'", device_name_);
-  status = clBuildProgram(program_(), 1, &device_, asked.c_str(), nullptr, nullptr);
+  Built made(clCreateProgramWithSource(context(), 1, &text, &length, &status));
+  check(status, "clCreateProgramWithSource of '" + name_ + "'", device_name_);
+  return made;
+}
+
+Program::Built Program::created_of_code(const Context& context) const {
+  const std::string& code = kept_->code();
+  if (code.empty()) return {};
+  const auto* bytes = reinterpret_cast<const unsigned char*>(code.data());
+  const std::size_t length = code.size();
+  cl_int status = CL_SUCCESS;
+  Built made(clCreateProgramWithBinary(context(), 1, &device_, &length, &bytes, nullptr, &status));
+  return status == CL_SUCCESS ? std::move(made) : Built();
+}
+
+cl_int Program::build(Built made, const std::string& asked) {
+  if (!made) return CL_INVALID_PROGRAM;
+  const cl_int status = clBuildProgram(made(), 1, &device_, asked.c_str(), nullptr, nullptr);
   std::size_t size = 0;
-  if (clGetProgramBuildInfo(program_(), device_, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) == CL_SUCCESS && size > 1) {
+  if (clGetProgramBuildInfo(made(), device_, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) == CL_SUCCESS && size > 1) {
     log_.resize(size);
-    clGetProgramBuildInfo(program_(), device_, CL_PROGRAM_BUILD_LOG, size, log_.data(), nullptr);
+    clGetProgramBuildInfo(made(), device_, CL_PROGRAM_BUILD_LOG, size, log_.data(), nullptr);
     log_.resize(size - 1);
   }
-  if (status != CL_SUCCESS) blame_full_disk();
-  if (status != CL_SUCCESS)
-    throw base::Error(base::Fault::device, "OpenCL: clBuildProgram of '" + name + "' failed with " +
-                                               status_name(status) + " on device '" + device_name_ + "', options '" +
-                                               asked + "':\n" + log_);
-  kept_->built();
+  if (status == CL_SUCCESS) program_ = std::move(made);
+  return status;
 }
 
 }  // namespace raycube::cl

@@ -21,7 +21,8 @@ class Program {
   /// Builds `source` with `options`, and with exactly rounded quotients and roots on devices other than CPUs, which
   /// must be asked for them: rays are then those of the host. A failed build throws Error(device) with name, device,
   /// options and the log, whose lines name the kernel files. Kernels that an earlier run compiled of the same come from
-  /// the cache (kernel_cache.h); throws Error(environment) when that has no room.
+  /// the cache (kernel_cache.h); throws Error(environment) when that has no room. PoCL reads a source of 10 000 lines
+  /// anew even where it has its kernels, so it is given the intermediate code of the first build instead.
   Program(const Context& context, const std::string& name, std::string_view source, const std::string& options);
   const std::string& name() const { return name_; }
   const std::string& options() const { return options_; }
@@ -34,11 +35,18 @@ class Program {
   cl_program operator()() const { return program_(); }
 
  private:
+  using Built = Handle<cl_program, clReleaseProgram>;
+  Built created_of_source(const Context& context, std::string_view source) const;
+  /// Of the intermediate code that is kept; empty where there is none or the device does not take it.
+  Built created_of_code(const Context& context) const;
+  /// Builds `made` and, if that succeeds, makes it the program. What the compiler said is in the log.
+  cl_int build(Built made, const std::string& asked);
+
   std::string name_, options_, device_name_, log_;
   cl_device_id device_ = nullptr;  ///< the context's
   std::size_t most_local_ = 1;
   std::unique_ptr<KeptKernels> kept_;  ///< goes after the program, whose kernels are all compiled by then
-  Handle<cl_program, clReleaseProgram> program_;
+  Built program_;
 };
 
 }  // namespace raycube::cl
