@@ -9,13 +9,13 @@ import scipy.linalg
 import scipy.stats
 
 from analysis_kit import Analysis, layers, values, write_cube
-from driver import Program
+from driver import Program, seed
 from optics_kit import HEAD, camera, with_origin
 
 program = Program(sys.argv[1])
 analysis = Analysis(program)
 analyze, close = analysis.run, analysis.close
-RNG = np.random.default_rng(46)
+RNG = np.random.default_rng(seed(46))
 MOST_OFF_PX = 0.02  # a cubic between pixels of waves of 6 pixels and longer errs by 0.01
 
 
@@ -52,7 +52,7 @@ def shifts(folder):
         off.append((found["samples"], found["lines"]))
     spread = np.std(off, axis=0, ddof=1)
     for axis, key in enumerate(("samples_error", "lines_error")):
-        program.check(0.65 < found[key] / spread[axis] < 1.35, key, found[key], spread[axis])
+        program.between(0.65, found[key] / spread[axis], 1.35, key)
     return field, first
 
 

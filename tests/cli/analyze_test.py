@@ -13,12 +13,12 @@ import sklearn.metrics
 import spectral
 
 from analysis_kit import Analysis, layers, values, write_cube
-from driver import Program, envi
+from driver import Program, envi, seed
 
 program = Program(sys.argv[1])
 analysis = Analysis(program)
 analyze, close = analysis.run, analysis.close
-RNG = np.random.default_rng(20261128)
+RNG = np.random.default_rng(seed(20261128))
 
 
 def scene(lines, samples, bands, classes=4, far=60):

@@ -15,6 +15,25 @@ import patience
 #: All cases of a test, as ci/test --full asks for; else those of its short form, which the test's head names.
 FULL = "--full" in sys.argv
 
+#: tests/repeat_seeds.py: which other draws a test is to take, and the file that its figures go into.
+OTHER_SEED, FIGURES = os.environ.get("RAYCUBE_TEST_SEED"), os.environ.get("RAYCUBE_TEST_FIGURES")
+
+
+def seed(own):
+    """A test's own seed; with RAYCUBE_TEST_SEED = 1, 2, .. another one (tests/support/seeds.h)."""
+    return own + 1000003 * int(OTHER_SEED) if OTHER_SEED else own
+
+
+def by_other_seed(arguments):
+    """A command line whose verb draws, with the seed that stands in for its own or the scene's."""
+    if not OTHER_SEED or arguments[0] not in ("render", "check", "measure", "noise", "preview", "plan"):
+        return arguments
+    if "--seed" not in arguments:
+        return (*arguments, "--seed", str(seed(1)))
+    at = arguments.index("--seed") + 1
+    return (*arguments[:at], str(seed(int(arguments[at]))), *arguments[at + 1 :])
+
+
 #: Level ground under a LIDAR: its material and its plane.
 GROUND = """[[material]]
 name = "ground"
@@ -95,7 +114,11 @@ class Program:
 
     def run(self, *arguments, status=0, env=None, **more):
         done = patience.run(
-            [self.path, *arguments], capture_output=True, text=True, env={**os.environ, **(env or {})}, **more
+            [self.path, *by_other_seed(arguments)],
+            capture_output=True,
+            text=True,
+            env={**os.environ, **(env or {})},
+            **more,
         )
         for own, usual in _apart:
             _bring(own, usual)
@@ -141,6 +164,21 @@ class Program:
     def check(self, condition, *what):
         self.checks += 1
         assert condition, what
+
+    def between(self, low, figure, high, *what):
+        """A check of a figure that chance moves: the line that asks for it, and `what`, name it in FIGURES."""
+        if FIGURES:
+            caller = sys._getframe(1)
+            while caller.f_code.co_name in ("near", "is_near", "within"):
+                caller = caller.f_back
+            named = " ".join(part for part in what if isinstance(part, str))
+            with open(FIGURES, "a") as file:
+                at = f"{caller.f_code.co_filename}:{caller.f_lineno}"
+                file.write(f"{at}\t{named}\t{figure}\t{low}\t{high}\n")
+        self.check(low <= figure <= high, *what, low, figure, high)
+
+    def within(self, figure, limit, *what):
+        self.between(-limit, figure, limit, *what)
 
     def refused(self, *arguments, status, says, messages=1, env=None, **more):
         """Exactly `messages` error lines, each part of `says` in them, nothing on stdout."""

@@ -220,7 +220,7 @@ def errors(folder):
             draws.append(np.sqrt(((image - fine) ** 2).mean()) / fine.mean())
             stated = json.loads((out / "run.json").read_text())["error"]
         ratio = np.mean(draws) / stated["samples_and_sky_directions"]
-        program.check(0.5 < ratio < 1.1, keys, draws, stated)
+        program.between(0.5, ratio, 1.1, "error over stated", *keys, draws, stated)
 
 
 def around(folder):

@@ -220,12 +220,8 @@ def check_errors(work):
             told.append(envi(work / name / "camera", "standard_error")[1][..., 0].astype(float))
         scatter = numpy.sqrt(numpy.var(images, axis=0, ddof=1).mean())
         stated = numpy.sqrt((numpy.array(told) ** 2).mean())
-        check(
-            {16: 0.7, 64: 0.8}[samples] < stated / scatter < 1.6,
-            "standard errors under a wide lamp",
-            samples,
-            stated / scatter,
-        )
+        least = {16: 0.7, 64: 0.8}[samples]
+        program.between(least, stated / scatter, 1.6, "standard errors under a wide lamp", samples)
 
 
 def check_surfaces(work):
@@ -336,9 +332,9 @@ def check_bounces(work):
     pair, _ = render(work, "pair_under_leaf", lamps=f"{white}, {red}", **views)
     for image, what in ((alone, "alone"), (pair, "beside another")):
         found = image[..., 0].mean() * area / wanted
-        check(abs(found - 1) < 0.02, "flux through a leaf by several surfaces", what, found)
+        program.within(found - 1, 0.02, "flux through a leaf by several surfaces", what)
     red_alone = (pair[..., 1].mean() - pair[..., 0].mean()) * area / (wanted / FLAT)
-    check(abs(red_alone / RED - 1) < 0.04, "the red lamp's share at 700 nm", red_alone, RED)
+    program.within(red_alone / RED - 1, 0.04, "the red lamp's share at 700 nm")
 
 
 def check_reference(work, lamp, spot):

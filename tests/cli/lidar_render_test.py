@@ -155,9 +155,10 @@ def dial(work):
     )
     count = len(deviations)
     check(count > 150 and max(plume) > 10, count)
-    check(abs(deviations.mean()) < 4 / math.sqrt(count), deviations.mean())
-    check(abs(math.sqrt((deviations**2).mean()) - 1) < 4 / math.sqrt(2 * count), deviations)
-    check((abs(deviations) < 1).mean() > 0.6827 - 4 * math.sqrt(0.6827 * 0.3173 / count), (abs(deviations) < 1).mean())
+    program.within(deviations.mean(), 4 / math.sqrt(count), "mean")
+    program.within(math.sqrt((deviations**2).mean()) - 1, 4 / math.sqrt(2 * count), "rms")
+    inside = (abs(deviations) < 1).mean()
+    program.between(0.6827 - 4 * math.sqrt(0.6827 * 0.3173 / count), inside, 1.0, "within one sigma")
 
 
 def geiger(work):

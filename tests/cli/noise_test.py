@@ -96,7 +96,7 @@ def electrons(um, fwhm_um):
 
 
 def near(found, expected, part, *what):
-    program.check(abs(found / expected - 1) <= part, *what, found, expected)
+    program.within(found / expected - 1, part, *what, found, expected)
 
 
 def photons(folder, cube):
@@ -114,7 +114,7 @@ def photons(folder, cube):
             variance = (k[b] * level + dark + read**2) / k[b] ** 2
             near(pixels[:, b].var(ddof=1), variance, 0.01, "variance", level, b)
             error = math.sqrt(variance / len(pixels))
-            program.check(abs(pixels[:, b].mean() - level) < 5 * error + 1e-6 * level, "mean", level, b)
+            program.within(pixels[:, b].mean() - level, 5 * error + 1e-6 * level, "mean", level, b)
 
     # Photon transfer: variance against mean in digital numbers is a line of slope 1 / gain.
     file = simulation(folder, OPTICS + noise + "bits = 14\ngain_e_dn = 30.0\noffset_dn = 100.0\n", lines=5 * LINES)
@@ -139,15 +139,7 @@ def photons(folder, cube):
     for level, pixels in zip(LEVELS[:3], levels_of(back)):
         for b in range(len(BANDS)):
             error = pixels[:, b].std() / math.sqrt(len(pixels))
-            program.check(
-                abs(pixels[:, b].mean() - level) < 5 * error + 0.02 * gain[b],
-                "read back",
-                level,
-                b,
-                pixels[:, b].mean(),
-                error,
-                gain[b],
-            )
+            program.within(pixels[:, b].mean() - level, 5 * error + 0.02 * gain[b], "read back", level, b)
     return values
 
 
@@ -242,7 +234,7 @@ def fixed_pattern(folder):
     well = "bad_pixels_percent = 1.0\nfull_well_e = 600000.0\nbits = 12\n"
     values, header, _ = measured(folder, light, simulation(folder, OPTICS + well, "pushbroom", 400, 2000, bands))
     rows = [line.split(",") for line in (folder / "noisy/bad_elements.csv").read_text().splitlines()[1:]]
-    program.check(8 <= len(rows) <= 36, len(rows))  # 20 expected: a binomial's 4 standard deviations
+    program.between(8, len(rows), 36, "bad elements")  # 20 expected: a binomial's 4 standard deviations
     for band, line, sample, says in rows:
         program.check(line == "all" and np.all(values[:, int(sample)] == (0 if says == "0" else 4095)), sample, says)
     good = np.ones(2000, bool)

@@ -74,9 +74,10 @@ def quicklook_agrees(folder):
         check(inside.mean() > 0.8, inside.mean())
         difference = (found - want)[inside]
         errors.append(float(numpy.sqrt(numpy.mean(difference**2)) / want.mean()))
-        check(abs(difference.mean() / want.mean()) < 0.02, samples, difference.mean() / want.mean())
+        program.within(difference.mean() / want.mean(), 0.02, "mean", samples)
     print("rms from the render's quicklook, 4 and 256 samples:", errors)
-    check(errors[1] < 0.02 and errors[1] < 0.6 * errors[0], errors)
+    program.between(0, errors[1], 0.02, "rms")
+    program.between(0, errors[1] / errors[0], 0.6, "rms over that of 4 samples")
     return file
 
 

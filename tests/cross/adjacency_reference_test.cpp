@@ -7,6 +7,7 @@
 #include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/seeds.h"
 #include "tests/support/test_scenes.h"
 
 using namespace raycube;
@@ -41,7 +42,7 @@ scene::Simulation patches() {
         i + 1);
   finish_top_tree(scene);
   simulation.sun.zenith_deg = 50, simulation.sun.azimuth_deg = 140;
-  simulation.seed = 7;
+  simulation.seed = testing::seed(7);
   simulation.sky_directions = 4096;  // trees hide much of the sky: fewer leave noise, the sky's own
   scene::Instrument camera = test::nadir_camera(16, 16, 800, 30);
   camera.samples_u = camera.samples_v = 5;

@@ -13,6 +13,7 @@
 #include "host/planner/open_share.h"
 #include "host/planner/pixel_trial.h"
 #include "host/sensors/view_bounds.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 
 using namespace raycube;
@@ -24,7 +25,7 @@ constexpr double kSunIrradiance = 1500, kSkyRadiance = 30, kFar_m = 2e4;
 /// Endless ground, with an endless wall of the same matter west of it or none; seen from above 2 to 3 m before it.
 scene::Simulation corner(bool wall, double reflectance, double tolerance, double zenith_deg = 40) {
   scene::Simulation s;
-  s.file = "corner.toml";
+  s.file = "corner.toml", s.seed = testing::seed(s.seed);
   const auto grey = test::add_material(s.scene, "grey", reflectance);
   test::place(s.scene, test::rectangle({0, -kFar_m, 0}, {kFar_m, 0, 0}, {0, 2 * kFar_m, 0}, grey));
   if (wall) test::place(s.scene, test::rectangle({0, -kFar_m, 0}, {0, 2 * kFar_m, 0}, {0, 0, kFar_m}, grey));
@@ -87,9 +88,9 @@ TEST_CASE("bounces = auto: where surfaces see each other paths keep the most sur
   CHECK(chosen.plan.notices.empty());
   const plan::SkyRays::Met& met = chosen.plan.sky.met;
   CHECK(met.known);
-  CHECK(std::abs(met.mean - 0.5) < kNoise);
-  CHECK(std::abs(met.on - 0.5) < 2 * kNoise);
-  CHECK(std::abs(met.rms - 0.5) < 2 * kNoise);
+  CHECK_WITHIN(met.mean - 0.5, kNoise);
+  CHECK_WITHIN(met.on - 0.5, 2 * kNoise);
+  CHECK_WITHIN(met.rms - 0.5, 2 * kNoise);
 }
 
 TEST_CASE("bounces = auto: what light scattered once misses is told from above, and decides") {
@@ -110,8 +111,8 @@ TEST_CASE("bounces = auto: what light scattered once misses is told from above, 
     // Walls that face the sun are what it takes for: here they get 0.85 of the ground's light, and 0.65 of a sun's that
     // they faced; at 0.9 every second of the orders goes by the ground.
     const double truth = once_missed(reflectance, zenith_deg);
-    CHECK(report.once_missed > truth);
-    CHECK(report.once_missed < 2.6 * truth);
+    CHECK_ABOVE(report.once_missed, truth);
+    CHECK_BELOW(report.once_missed, 2.6 * truth);
     CHECK(chosen.plan.bounces.any() == !dropped);
     if (!dropped) continue;
     CHECK(report.missed == report.once_missed);
@@ -164,7 +165,7 @@ TEST_CASE("bounces = auto: what warm surfaces send onto others is measured, and 
     const double all = (own + r * wall_own / 2) / (1 - r * r / 4),
                  once = own + r * base::planck_radiance(um, plan.thermal.surroundings_K) / 2;
     MESSAGE(plan.report.bounces.once_missed << " for " << std::abs(once / all - 1));
-    CHECK(plan.report.bounces.once_missed == doctest::Approx(std::abs(once / all - 1)).epsilon(0.1));
+    CHECK_WITHIN(plan.report.bounces.once_missed / (std::abs(once / all - 1)) - 1, 0.1);
     CHECK(plan.bounces.any() == !dropped);
   }
 }
@@ -195,7 +196,7 @@ TEST_CASE("the cost model counts the surfaces that a path comes to") {
   CHECK(counts.paths == 16);
   // From either plane half of the paths meet the other; from the second on 0.9^3, then 0.9 of them go on.
   const double each = 0.5 + 0.25 + 0.25 * 0.729 * 0.5 / (1 - 0.9 * 0.5);
-  CHECK(counts.path_surfaces / counts.paths == doctest::Approx(each).epsilon(2 * kNoise / 0.5));
+  CHECK_WITHIN(counts.path_surfaces / counts.paths / each - 1, 2 * kNoise / 0.5);
   CHECK(counts.rays() == counts.samples + counts.sun_rays + counts.sky_rays + counts.paths + 2 * counts.path_surfaces);
 }
 
@@ -228,9 +229,9 @@ TEST_CASE("as many paths go with the sky's rays as err least for their time") {
       square_time.push_back(error * error * (cost_s(64) - cost_s(32)));
       if (tried == per_two) chosen_error = error, chosen_square_time = square_time.back();
     }
-    CHECK(chosen_square_time < 0.9 * square_time[0]);
-    CHECK(chosen_square_time < 1.15 * *std::min_element(square_time.begin(), square_time.end()));
+    CHECK_BELOW(chosen_square_time, 0.9 * square_time[0]);
+    CHECK_BELOW(chosen_square_time, 1.15 * *std::min_element(square_time.begin(), square_time.end()));
     // 576 pixels, two pairs of draws: the square of an error is known to 4 % and as much again by the look.
-    CHECK(trial.look().sky.estimate == doctest::Approx(chosen_error).epsilon(0.15));
+    CHECK_WITHIN(trial.look().sky.estimate / chosen_error - 1, 0.15);
   }
 }

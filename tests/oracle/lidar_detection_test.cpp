@@ -9,6 +9,7 @@
 #include "host/lidar/detector.h"
 #include "host/lidar/draws.h"
 #include "tests/oracle/lidar_detection_cases.h"
+#include "tests/support/chance_checks.h"
 
 using namespace raycube;
 using namespace raycube::lidar;
@@ -44,8 +45,8 @@ TEST_CASE("L-23: drawn waveforms have that mean and variance, with quantum effic
     }
   }
   const double variance = 784.336 + std::pow((1000 + 120) / 16383.0, 2) / 12;
-  CHECK(std::abs(sum / n - 100.6) < 4 * std::sqrt(variance / n));
-  CHECK(std::abs(squares / n / variance - 1) < 4 * std::sqrt(2.4 / n));  // kurtosis of a gamma-mixed count 3.4
+  CHECK_WITHIN(sum / n - 100.6, 4 * std::sqrt(variance / n));
+  CHECK_WITHIN(squares / n / variance - 1, 4 * std::sqrt(2.4 / n));  // kurtosis of a gamma-mixed count 3.4
 }
 
 TEST_CASE(
@@ -104,8 +105,8 @@ TEST_CASE("S38: counts are exact Poisson draws of the expectation, background an
       sum += z, chi += z * z / mean, ++n;
     }
   }
-  CHECK(std::abs(sum / n) < 4 * std::sqrt(6.0 / n));
-  CHECK(std::abs(chi / n - 1) < 4 * std::sqrt((2 + 1.0) / n));  // variance of chi^2 of a count: 2 + 1 / mean
+  CHECK_WITHIN(sum / n, 4 * std::sqrt(6.0 / n));
+  CHECK_WITHIN(chi / n - 1, 4 * std::sqrt((2 + 1.0) / n));  // variance of chi^2 of a count: 2 + 1 / mean
 }
 
 TEST_CASE("S38: a record is a function of seed, pulse, pixel and line alone") {
@@ -157,8 +158,8 @@ TEST_CASE("S38: probability of detection and false alarms against counted exceed
     // The linear detector's sum of carriers is taken as Gaussian: skewness 3 F / 2 / sqrt(8 F) shifts the tail by up to
     // 3 % here.
     const double model = mode == scene::DetectorMode::linear ? 0.03 : 0;
-    CHECK(std::abs(seen / n - p) < 4 * std::sqrt(p * (1 - p) / n) + model);
-    if (mode == scene::DetectorMode::photons) CHECK(std::abs(alarms / n - q) < 4 * std::sqrt(q * (1 - q) / n));
+    CHECK_WITHIN(seen / n - p, 4 * std::sqrt(p * (1 - p) / n) + model);
+    if (mode == scene::DetectorMode::photons) CHECK_WITHIN(alarms / n - q, 4 * std::sqrt(q * (1 - q) / n));
   }
 }
 

@@ -8,6 +8,7 @@
 #include "host/lidar/draws.h"
 #include "host/lidar/gauss_hermite.h"
 #include "tests/oracle/lidar_detection_cases.h"
+#include "tests/support/chance_checks.h"
 
 using namespace raycube;
 using namespace raycube::lidar;
@@ -108,15 +109,15 @@ TEST_CASE("S33: error of a column against counts drawn") {
   double sum = 0, squares = 0;
   const double truth = std::log(3.0) / 2.122e-18;
   for (int i = 0; i < n; ++i) {
-    Stream on(5, static_cast<std::uint32_t>(i), 0, DrawFor::counts),
-        off(5, static_cast<std::uint32_t>(i), 1, DrawFor::counts);
+    Stream on(raycube::testing::seed(5), static_cast<std::uint32_t>(i), 0, DrawFor::counts),
+        off(raycube::testing::seed(5), static_cast<std::uint32_t>(i), 1, DrawFor::counts);
     const double a = on.poisson(400), b = off.poisson(1200);
     const double z = (dial_column({a, a, 1}, {b, b, 1}, 1.061e-18).column_cm2 - truth) / one.error_cm2;
     sum += z, squares += z * z;
   }
   // The logarithm's curvature shifts the mean by (1/400 - 1/1200) / 2 of its argument and widens it by 1/400 or so.
-  CHECK(std::abs(sum / n - (1.0 / 400 - 1.0 / 1200) / 2 / std::sqrt(1.0 / 400 + 1.0 / 1200)) < 4 / std::sqrt(n));
-  CHECK(std::abs(squares / n - 1) < 4 * std::sqrt(2.0 / n) + 0.006);
+  CHECK_WITHIN(sum / n - (1.0 / 400 - 1.0 / 1200) / 2 / std::sqrt(1.0 / 400 + 1.0 / 1200), 4 / std::sqrt(n));
+  CHECK_WITHIN(squares / n - 1, 4 * std::sqrt(2.0 / n) + 0.006);
 }
 
 TEST_CASE("L-10: two gases at three wavelengths; one wavelength alone is biased") {
@@ -142,7 +143,8 @@ TEST_CASE("L-10: two gases at three wavelengths; one wavelength alone is biased"
   for (int i = 0; i < n; ++i) {
     std::vector<NetCounts> noisy;
     for (std::size_t k = 0; k < 4; ++k) {
-      Stream stream(6, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k), DrawFor::counts);
+      Stream stream(raycube::testing::seed(6), static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k),
+                    DrawFor::counts);
       const double c = stream.poisson(1e5 * std::exp(-2 * (100 * four[k][0] + 10 * four[k][1]) * kPpmM));
       noisy.push_back({c, c, 1});
     }
@@ -150,8 +152,8 @@ TEST_CASE("L-10: two gases at three wavelengths; one wavelength alone is biased"
     const double z = (gases.column_cm2[1] - 10 * kPpmM) / gases.error_cm2[1];
     sum += z, squares += z * z;
   }
-  CHECK(std::abs(sum / n) < 4 / std::sqrt(n) + 0.01);
-  CHECK(std::abs(squares / n - 1) < 4 * std::sqrt(2.0 / n) + 0.01);
+  CHECK_WITHIN(sum / n, 4 / std::sqrt(n) + 0.01);
+  CHECK_WITHIN(squares / n - 1, 4 * std::sqrt(2.0 / n) + 0.01);
   // A dark wavelength leaves two for two gases and a factor: said, not solved.
   returns[0].counts = 0;
   CHECK(dial_gases(returns, sigma).state == DialState::saturated);
@@ -213,7 +215,6 @@ TEST_CASE("S33: columns from drawn records lie around the truth by their stated 
     sum += z, squares += z * z;
   }
   // Both windows are the same and cut the same 0.3 % of both returns.
-  CHECK(std::abs(sum / n) <
-        4 / std::sqrt(n) + 0.02);  // curvature of the logarithm, 1/2 relative variance over its root
-  CHECK(std::abs(squares / n - 1) < 4 * std::sqrt(2.0 / n) + 0.01);
+  CHECK_WITHIN(sum / n, 4 / std::sqrt(n) + 0.02);  // curvature of the logarithm, 1/2 relative variance over its root
+  CHECK_WITHIN(squares / n - 1, 4 * std::sqrt(2.0 / n) + 0.01);
 }

@@ -8,6 +8,8 @@
 #include "host/lidar/draws.h"
 #include "host/lidar/normal_quantile.h"
 #include "host/lidar/speckle.h"
+#include "tests/support/chance_checks.h"
+#include "tests/support/chi_square.h"
 
 using namespace raycube::lidar;
 
@@ -16,11 +18,11 @@ namespace {
 constexpr int kDraws = 100000;
 
 Stream stream(int i, DrawFor purpose = DrawFor::counts) {
-  return Stream(42, 5, static_cast<std::uint32_t>(i), purpose);
+  return Stream(raycube::testing::seed(42), 5, static_cast<std::uint32_t>(i), purpose);
 }
 
 /// Chi-square of counts against a negative binomial (modes 0: Poisson), classes of at least 10 expected; pass below
-/// dof + 4 sqrt(2 dof) (4 standard deviations of the statistic).
+/// what is as unusual as 4 standard deviations of a Gaussian.
 void check_counts(double mean, double modes) {
   const auto classes =
       static_cast<std::size_t>(mean + 12 * std::sqrt(mean + (modes > 0 ? mean * mean / modes : 0)) + 20);
@@ -42,12 +44,12 @@ void check_counts(double mean, double modes) {
   }
   CAPTURE(mean);
   CAPTURE(modes);
-  CHECK(chi < dof + 4 * std::sqrt(2.0 * dof) + 1);
+  CHECK_BELOW(chi, raycube::testing::chi_square_limit(dof, 4));
   const double variance = mean + (modes > 0 ? mean * mean / modes : 0);
-  CHECK(std::abs(sum / kDraws - mean) < 4 * std::sqrt(variance / kDraws));
+  CHECK_WITHIN(sum / kDraws - mean, 4 * std::sqrt(variance / kDraws));
   // Spread of the variance estimate of a gamma-mixed Poisson: (kurtosis - 1) variance^2 / n; kurtosis at most 9 + 1 /
   // variance here.
-  CHECK(std::abs(squares / kDraws / variance - 1) < 4 * std::sqrt((8 + 1 / variance) / kDraws));
+  CHECK_WITHIN(squares / kDraws / variance - 1, 4 * std::sqrt((8 + 1 / variance) / kDraws));
 }
 
 }  // namespace
@@ -87,8 +89,8 @@ TEST_CASE("S38: large means are Gaussian, odd ones harmless") {
     const double z = (s.poisson(4e6) - 4e6) / 2000;
     sum += z, squares += z * z;
   }
-  CHECK(std::abs(sum / n) < 4 / std::sqrt(n));
-  CHECK(std::abs(squares / n - 1) < 4 * std::sqrt(2.0 / n));
+  CHECK_WITHIN(sum / n, 4 / std::sqrt(n));
+  CHECK_WITHIN(squares / n - 1, 4 * std::sqrt(2.0 / n));
   CHECK(stream(1).poisson(0) == 0);
   CHECK(stream(1).poisson(-1) == 0);
   CHECK(std::isnan(stream(1).poisson(std::nan(""))));
@@ -103,9 +105,9 @@ TEST_CASE("S35: gamma and normal draws have their moments") {
       sum += g, squares += (g - shape) * (g - shape);
     }
     CAPTURE(shape);
-    CHECK(std::abs(sum / kDraws - shape) < 4 * std::sqrt(shape / kDraws));
-    CHECK(std::abs(squares / kDraws / shape - 1) <
-          4 * std::sqrt((2 + 6 / shape) / kDraws));  // excess kurtosis of a gamma: 6 / shape
+    CHECK_WITHIN(sum / kDraws - shape, 4 * std::sqrt(shape / kDraws));
+    CHECK_WITHIN(squares / kDraws / shape - 1,
+                 4 * std::sqrt((2 + 6 / shape) / kDraws));  // excess kurtosis of a gamma: 6 / shape
   }
 }
 

@@ -10,6 +10,7 @@
 #include "host/lidar/echoes.h"
 #include "host/lidar/normal_edges.h"
 #include "tests/oracle/lidar_detection_cases.h"
+#include "tests/support/chance_checks.h"
 
 using namespace raycube;
 using namespace raycube::lidar;
@@ -109,7 +110,7 @@ TEST_CASE("S40: precision against the bound (c/2) s / sqrt(N), counts drawn") {
     plan.lidar.echoes.method = r.method;
     ShotResult shot = test::empty_shot(plan);
     test::add_return(shot.first, r.photons, 30.4, kSigmaBins);
-    double sum = 0, squares = 0, area = 0;
+    double sum = 0, squares = 0, area = 0, area_squares = 0;
     constexpr int pulses = 1500;
     int single = 0;
     for (int pulse = 0; pulse < pulses; ++pulse) {
@@ -118,7 +119,9 @@ TEST_CASE("S40: precision against the bound (c/2) s / sqrt(N), counts drawn") {
       if (echoes.size() != 1) continue;
       ++single;
       const double z = (echoes[0].time_s / 1e-9 - 6630.4) / kSigmaBins;
-      sum += z, squares += z * z, area += echoes[0].energy_pe;
+      sum += z, squares += z * z;
+      const double counted = static_cast<double>(echoes[0].energy_pe) / r.photons;
+      area += counted, area_squares += counted * counted;
     }
     CAPTURE(static_cast<int>(r.method));
     CAPTURE(r.photons);
@@ -126,11 +129,13 @@ TEST_CASE("S40: precision against the bound (c/2) s / sqrt(N), counts drawn") {
     const double bound = std::sqrt((1 + 1 / (12 * kSigmaBins * kSigmaBins)) / r.photons), mean = sum / single;
     const double deviation = std::sqrt(squares / single - mean * mean);
     CAPTURE(deviation / bound);
-    CHECK(deviation < bound * r.factor * (1 + 4 / std::sqrt(2.0 * pulses)));
-    CHECK(deviation > bound * (1 - 4 / std::sqrt(2.0 * pulses)) * 0.97);
+    CHECK_BELOW(deviation, bound * r.factor * (1 + 4 / std::sqrt(2.0 * pulses)));
+    CHECK_ABOVE(deviation, bound * (1 - 4 / std::sqrt(2.0 * pulses)) * 0.97);
     if (r.method == scene::EchoMethod::gaussian) {
-      CHECK(std::abs(mean) < 4 * deviation / std::sqrt(single));
-      CHECK(std::abs(area / single / r.photons - 1) < 4 / std::sqrt(single * r.photons) + 0.002);
+      CHECK_WITHIN(mean, 4 * deviation / std::sqrt(single));
+      // Areas of forty photons scatter by 1.4 of what counts do: the fit's width goes with them.
+      const double mean_area = area / single, own = std::sqrt(area_squares / single - mean_area * mean_area);
+      CHECK_WITHIN(mean_area - 1, 4 * own / std::sqrt(single) + 0.002);
     }
   }
 }
@@ -138,6 +143,8 @@ TEST_CASE("S40: precision against the bound (c/2) s / sqrt(N), counts drawn") {
 TEST_CASE("S40: thresholds from the noise, number of returns, false returns of noise alone") {
   LidarPlan plan = test::small_plan(1000);
   plan.lidar.detector.dark_rate_hz = 2e8;
+  const double usual = plan.lidar.echoes.false_returns;
+  plan.lidar.echoes.false_returns = 2;  // a record: hundreds in all, of which chance takes little
   ShotResult shot = test::empty_shot(plan);
   int found = 0;
   double alarm_hz = 0;
@@ -149,10 +156,10 @@ TEST_CASE("S40: thresholds from the noise, number of returns, false returns of n
   }
   // Each crossing can make one echo at most; crossings are counted by bin, so echoes stay below.
   const double bins = alarm_hz * 1e-6 * pulses;
-  CHECK(found < bins + 4 * std::sqrt(bins));
-  CHECK(found > 0.3 * bins);
+  CHECK_BELOW(found, bins + 4 * std::sqrt(bins));
+  CHECK_ABOVE(found, 0.3 * bins);
 
-  plan.lidar.echoes.max_returns = 2;
+  plan.lidar.echoes.false_returns = usual, plan.lidar.echoes.max_returns = 2;
   for (int i = 0; i < 6; ++i) test::add_return(shot.first, 2000.0 + 300 * (i % 4), 100 + 120 * i, kSigmaBins);
   const auto echoes = detect(plan, shot).front().echoes;
   REQUIRE(echoes.size() == 2);
@@ -179,7 +186,11 @@ TEST_CASE(
     const auto echoes = detect(plan, shot).front().echoes;
     two += echoes.size() == 2;
     REQUIRE(!echoes.empty());
-    REQUIRE(std::abs(echoes.back().time_s / 1e-9 - 6680.3) < 2e-3);
+    // Not the last one: without noise one photon is a return, and in one pulse of a thousand one of the tail falls that
+    // far behind.
+    const auto strongest = std::max_element(echoes.begin(), echoes.end(),
+                                            [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
+    REQUIRE(std::abs(strongest->time_s / 1e-9 - 6680.3) < 2e-3);
   }
   CHECK(two > 0.95 * pulses);
 }

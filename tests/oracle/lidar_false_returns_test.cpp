@@ -9,6 +9,7 @@
 #include "host/lidar/detector.h"
 #include "host/lidar/draws.h"
 #include "tests/oracle/lidar_detection_cases.h"
+#include "tests/support/chance_checks.h"
 
 using namespace raycube;
 using namespace raycube::lidar;
@@ -64,9 +65,9 @@ TEST_CASE("false returns of a record stay below what was asked for, in air and o
       CAPTURE(wanted);
       // Four standard errors of the count; a linear bin's chance is known to 40 %.
       const double most = wanted * pulses * (mode == scene::DetectorMode::linear ? 1.4 : 1);
-      CHECK(found < most + 4 * std::sqrt(most));
+      CHECK_BELOW(found, most + 4 * std::sqrt(most));
       // Not by being blind: counts come in steps and crossings beside each other are one return.
-      CHECK(found > 0.2 * wanted * pulses);
+      CHECK_ABOVE(found, 0.2 * wanted * pulses);
     }
   }
 }
@@ -105,8 +106,8 @@ TEST_CASE(
       CAPTURE(static_cast<int>(mode));
       CAPTURE(at);
       // sigma / sqrt(N) of the photons over all pulses, twice for excess noise and the air's own.
-      CHECK(std::abs(mean_m) < 4 * 2.4 * kSigmaBins / std::sqrt(4000.0 * pulses) * (at < 100 ? 2 : 1));
-      CHECK(std::abs(energy / 4000 - 1) < 0.02);
+      CHECK_WITHIN(mean_m, 4 * 2.4 * kSigmaBins / std::sqrt(4000.0 * pulses) * (at < 100 ? 2 : 1));
+      CHECK_WITHIN(energy / 4000 - 1, 0.02);
     }
     // Weak ones: the probability of detection of the highest bin, where a neighbour can make up for it.
     ShotResult shot = airy_shot(plan);
@@ -124,8 +125,8 @@ TEST_CASE(
     }
     CAPTURE(static_cast<int>(mode));
     CHECK(foretold > 0.1);
-    CHECK(seen / static_cast<double>(pulses) > foretold - 4 * std::sqrt(0.25 / pulses));
-    CHECK(seen / static_cast<double>(pulses) < std::min(1.0, 3 * foretold) + 4 * std::sqrt(0.25 / pulses));
+    CHECK_ABOVE(seen / static_cast<double>(pulses), foretold - 4 * std::sqrt(0.25 / pulses));
+    CHECK_BELOW(seen / static_cast<double>(pulses), std::min(1.0, 3 * foretold) + 4 * std::sqrt(0.25 / pulses));
   }
 }
 
@@ -140,9 +141,9 @@ TEST_CASE("chance of a linear detector's noise, against drawn avalanches: not a 
       std::vector<double> values(draws);
       const double spread = noise.excess - 1;
       for (int i = 0; i < draws; ++i) {
-        Stream counts(1, static_cast<std::uint32_t>(i), 0, DrawFor::counts),
-            gains(1, static_cast<std::uint32_t>(i), 0, DrawFor::gain);
-        Stream floor(1, static_cast<std::uint32_t>(i), 0, DrawFor::readout);
+        Stream counts(raycube::testing::seed(1), static_cast<std::uint32_t>(i), 0, DrawFor::counts),
+            gains(raycube::testing::seed(1), static_cast<std::uint32_t>(i), 0, DrawFor::gain);
+        Stream floor(raycube::testing::seed(1), static_cast<std::uint32_t>(i), 0, DrawFor::readout);
         const double n = counts.poisson(carriers);
         values[static_cast<std::size_t>(i)] =
             (n > 0 ? spread * gains.gamma(n / spread) : 0) - carriers + noise.floor * floor.normal();
@@ -156,8 +157,8 @@ TEST_CASE("chance of a linear detector's noise, against drawn avalanches: not a 
         CAPTURE(carriers);
         CAPTURE(readout_e);
         CAPTURE(sigmas);
-        CHECK(std::abs(chance - seen) < 0.4 * seen + 4 * std::sqrt(seen / draws));
-        CHECK(chance > 1.5 * normal_tail(sigmas));
+        CHECK_WITHIN(chance - seen, 0.4 * seen + 4 * std::sqrt(seen / draws));
+        CHECK_ABOVE(chance, 1.5 * normal_tail(sigmas));
       }
       // The threshold is where chance is what was asked for.
       CHECK(noise_chance(lidar, noise, 0, noise.threshold) == doctest::Approx(noise.bin_chance).epsilon(1e-4));
@@ -180,8 +181,8 @@ TEST_CASE(
     }
   }
   // Of 200 records without any return 0.05 each are that unlikely.
-  CHECK(doubtful > 200);
-  CHECK(firm < 10 + 4 * std::sqrt(10.0));
+  CHECK_ABOVE(doubtful, 200);
+  CHECK_BELOW(firm, 10 + 4 * std::sqrt(10.0));
   plan.lidar.echoes.false_returns = 0.01;
   CHECK(expected_detections(plan, shot).front().echoes.empty());
   test::add_return(shot.first, 4000, 300, kSigmaBins);

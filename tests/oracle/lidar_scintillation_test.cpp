@@ -7,6 +7,7 @@
 #include "host/lidar/quadrature.h"
 #include "host/lidar/scintillation.h"
 #include "tests/oracle/lidar_detection_cases.h"
+#include "tests/support/chance_checks.h"
 
 using namespace raycube;
 using namespace raycube::lidar;
@@ -80,14 +81,14 @@ TEST_CASE("L-18: probability of a fade below half, and moments drawn") {
     double sum = 0, squares = 0;
     int fades = 0;
     for (int i = 0; i < n; ++i) {
-      Stream stream(9, static_cast<std::uint32_t>(i), 0, DrawFor::scintillation);
+      Stream stream(raycube::testing::seed(9), static_cast<std::uint32_t>(i), 0, DrawFor::scintillation);
       const double value = draw_irradiance(stream, g.scintillation_index(), gamma_gamma ? &g : nullptr);
       sum += value, squares += (value - 1) * (value - 1), fades += value < 0.5;
     }
     const double p = gamma_gamma ? 0.149991 : 0.129773;
-    CHECK(std::abs(sum / n - 1) < 4 * std::sqrt(0.287518 / n));
-    CHECK(std::abs(squares / n / 0.287518 - 1) < 4 * std::sqrt(11.0 / n));
-    CHECK(std::abs(static_cast<double>(fades) / n - p) < 4 * std::sqrt(p * (1 - p) / n));
+    CHECK_WITHIN(sum / n - 1, 4 * std::sqrt(0.287518 / n));
+    CHECK_WITHIN(squares / n / 0.287518 - 1, 4 * std::sqrt(11.0 / n));
+    CHECK_WITHIN(static_cast<double>(fades) / n - p, 4 * std::sqrt(p * (1 - p) / n));
   }
   Stream stream(9, 0, 0, DrawFor::scintillation);
   CHECK(draw_irradiance(stream, 0, nullptr) == 1);
@@ -144,10 +145,9 @@ TEST_CASE(
     CHECK(truth.gamma_gamma == (cn2 > 1e-13));
     CHECK(truth.index_total == doctest::Approx((1 + truth.index_down) * (1 + truth.index_up) - 1).epsilon(1e-14));
     CHECK(truth.index_up < 1.5 * truth.rytov_spherical);
-    CHECK(std::abs(sum / n - 1) < 4 * std::sqrt(truth.index_total / n));
+    CHECK_WITHIN(sum / n - 1, 4 * std::sqrt(truth.index_total / n));
     // Kurtosis of the product near 3 + 16 index for weak and up to 60 for strong.
-    CHECK(std::abs(squares / n / truth.index_total - 1) <
-          4 * std::sqrt((cn2 > 1e-13 ? 59 : 3) / static_cast<double>(n)));
+    CHECK_WITHIN(squares / n / truth.index_total - 1, 4 * std::sqrt((cn2 > 1e-13 ? 59 : 3) / static_cast<double>(n)));
   }
 }
 
@@ -193,11 +193,11 @@ TEST_CASE("S32: lines of a shot flicker with their own variance, together or apa
     }
     for (std::size_t line = 0; line < 3; ++line) {
       const double index = (1 + truth.lines[line].index_down) * (1 + truth.lines[line].index_up) - 1;
-      CHECK(std::abs(squares[line] / index - 1) < 4 * std::sqrt(3.0 / n));
+      CHECK_WITHIN(squares[line] / index - 1, 4 * std::sqrt(3.0 / n));
     }
     const double correlation = product / std::sqrt(squares[0] * squares[1]);
     if (apart)
-      CHECK(std::abs(correlation) < 4 / std::sqrt(static_cast<double>(n)));
+      CHECK_WITHIN(correlation, 4 / std::sqrt(static_cast<double>(n)));
     else
       CHECK(correlation == doctest::Approx(1).epsilon(1e-12));
   }

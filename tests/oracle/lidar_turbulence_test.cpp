@@ -7,6 +7,7 @@
 #include "host/lidar/pulse_taps.h"
 #include "host/lidar/turbulence.h"
 #include "tests/oracle/lidar_detection_cases.h"
+#include "tests/support/chance_checks.h"
 
 using namespace raycube;
 using namespace raycube::lidar;
@@ -215,13 +216,13 @@ TEST_CASE("L-19: short-term spots that wander add up to the long-term spot (Mont
       }
     }
     const double error = 4 * std::sqrt(2.0 / n);
-    CHECK(std::abs(xx / (sigma_m * sigma_m) - 1) < error);
-    CHECK(std::abs(yy / (sigma_m * sigma_m) - 1) < error);
-    CHECK(std::abs(xy / (sigma_m * sigma_m)) < 4 / std::sqrt(n));
-    CHECK(std::abs((4 * xx + short_m * short_m) / (long_m * long_m) - 1) <
-          error * 4 * sigma_m * sigma_m / (long_m * long_m));
-    CHECK(std::abs((4 * yy + short_m * short_m) / (long_m * long_m) - 1) <
-          error * 4 * sigma_m * sigma_m / (long_m * long_m));
+    CHECK_WITHIN(xx / (sigma_m * sigma_m) - 1, error);
+    CHECK_WITHIN(yy / (sigma_m * sigma_m) - 1, error);
+    CHECK_WITHIN(xy / (sigma_m * sigma_m), 4 / std::sqrt(n));
+    CHECK_WITHIN((4 * xx + short_m * short_m) / (long_m * long_m) - 1,
+                 error * 4 * sigma_m * sigma_m / (long_m * long_m));
+    CHECK_WITHIN((4 * yy + short_m * short_m) / (long_m * long_m) - 1,
+                 error * 4 * sigma_m * sigma_m / (long_m * long_m));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "host/plan/sky_rays.h"
 #include "host/planner/open_share.h"
 #include "host/sensors/view_bounds.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 
 using namespace raycube;
@@ -70,7 +71,7 @@ TEST_CASE("S16 ground before a wall: any share taken for granted gives the same 
     const double mean = sum / count, error = std::sqrt(std::max(0.0, square / count - mean * mean) / count);
     MESSAGE("share " << share << ": mean " << mean << " +- " << error << ", of a pixel " << std::sqrt(square / count));
     // The wall ends 400 m to either side and the mean over a pixel of 1 m differs from its middle's: 2e-3.
-    CHECK(std::abs(mean) < 4 * error + 2e-3);
+    CHECK_WITHIN(mean, 4 * error + 2e-3);
     means.push_back(mean_of(image));
   }
 }

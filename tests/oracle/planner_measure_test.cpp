@@ -12,6 +12,7 @@
 #include "host/sensors/view_bounds.h"
 #include "tests/support/full.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/seeds.h"
 
 namespace {
 
@@ -39,7 +40,7 @@ struct Halves {
     add(parts, 0, half_m, east, "east");
     test::place(simulation.scene, test::join(parts));
     finish_top_tree(simulation.scene);
-    simulation.sun.zenith_deg = 120;
+    simulation.sun.zenith_deg = 120, simulation.seed = testing::seed(simulation.seed);
     simulation.instruments = {test::nadir_camera(pixels, lines, 1000, kGsd_m)};
     simulation.instruments[0].standard_error = scene::StandardError::worst;  // a trial of the rms too, not replicates
   }

@@ -9,6 +9,7 @@
 
 #include "atmos_tables/synthetic.h"
 #include "host/render/truth.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/same_bytes.h"
 
@@ -173,11 +174,11 @@ TEST_CASE("S43 standard error: stripes finer than the cells follow Student's dis
     const double expected = side == 8 ? 1 : std::sqrt(0.96);
     // Relative standard deviations: 1 / sqrt(2 n) of the rms error, 1 / sqrt(6 n) of the rms of three degrees of
     // freedom; four of them. Of independent parts 0.85 is stated, for what edges and sky ask for.
-    CHECK(std::sqrt(square / n) / sigma == doctest::Approx(expected).epsilon(4 / std::sqrt(2 * n)));
-    CHECK(std::sqrt(stated / n) / sigma == doctest::Approx(0.85 * expected).epsilon(4 / std::sqrt(6 * n)));
+    CHECK_WITHIN(std::sqrt(square / n) / sigma / expected - 1, 4 / std::sqrt(2 * n));
+    CHECK_WITHIN(std::sqrt(stated / n) / sigma / (0.85 * expected) - 1, 4 / std::sqrt(6 * n));
     // P(|t| <= 2 * 0.85) with 3 degrees of freedom is 0.8123; four standard deviations, and 0.005 for the steps of a
     // mean of 16 draws.
-    CHECK(std::abs(share - 0.8123) < 4 * std::sqrt(0.8123 * 0.1877 / n) + 0.005);
+    CHECK_WITHIN(share - 0.8123, 4 * std::sqrt(0.8123 * 0.1877 / n) + 0.005);
   }
 }
 

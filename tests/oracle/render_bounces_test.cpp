@@ -9,6 +9,7 @@
 
 #include "atmos_tables/synthetic.h"
 #include "host/plan/irradiance_map.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/lit_scenes.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
@@ -274,8 +275,8 @@ TEST_CASE("S43 bounces: standard errors know of the paths") {
   for (std::size_t i = 0; i < sum.size(); ++i) scattered += (square[i] - sum[i] * sum[i] / kSeeds) / (kSeeds - 1);
   const double ratio = std::sqrt(stated / kSeeds / scattered);
   MESSAGE("standard error stated over scattered: " << ratio);
-  CHECK(ratio > 0.8);
-  CHECK(ratio < 1.25);
+  CHECK_ABOVE(ratio, 0.8);
+  CHECK_BELOW(ratio, 1.25);
 }
 
 TEST_CASE("S43 bounces: the same bits for any tile, row capacity and memory") {

@@ -16,6 +16,7 @@
 #include "host/base/units.h"
 #include "kernels/sampling/sampler.h"
 #include "host/render/truth.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/polygon.h"
 #include "tests/support/render_kit.h"
 
@@ -127,16 +128,16 @@ Floor check_board(const Board& board) {
 TEST_CASE("S26 S52 checkerboard abundance in line with the pixels is at the stated sampling floor") {
   for (const auto& board : {Board{0, 0.011, 0.023}, Board{0, 0.1, 0.2}, Board{0, -0.07, 0.13}}) {
     const auto floor = check_board(board);
-    CHECK(floor.rms == doctest::Approx(0.0135).epsilon(0.1));
-    CHECK(floor.largest < 0.0794);
-    CHECK(floor.above < 16);  // expected 5.9 of 4096, plus 4 standard deviations
-    CHECK(floor.least_share == doctest::Approx(0.476).epsilon(0.002));
-    CHECK(floor.most_share == doctest::Approx(0.524).epsilon(0.002));
+    CHECK_WITHIN(floor.rms / 0.0135 - 1, 0.1);
+    CHECK_BELOW(floor.largest, 0.0794);
+    CHECK_BELOW(floor.above, 16);  // expected 5.9 of 4096, plus 4 standard deviations
+    CHECK_WITHIN(floor.least_share / 0.476 - 1, 0.002);
+    CHECK_WITHIN(floor.most_share / 0.524 - 1, 0.002);
   }
 }
 
 TEST_CASE(
     "S26 S52 checkerboard abundance of a turned board is the count of its samples, twice as close as random ones") {
   for (const auto& board : {Board{13, 0.011, 0.023}, Board{45, 0.1, 0.2}, Board{71.5, -0.07, 0.13}})
-    CHECK(check_board(board).rms < 0.5 * std::sqrt(0.25 / 121));
+    CHECK_BELOW(check_board(board).rms, 0.5 * std::sqrt(0.25 / 121));
 }

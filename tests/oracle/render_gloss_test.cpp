@@ -9,6 +9,7 @@
 #include "host/render/truth.h"
 #include "kernels/materials/shapes.h"
 #include "scene_compiler/matter.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -133,8 +134,8 @@ TEST_CASE("S21 gloss: an even sky is the lobe's own integral, within the rays' n
       CAPTURE(gloss);
       CAPTURE(error);
       // Four pixels of 1024 rays: their spread knows the error to 40 %, so 5 of it and 1e-3 of the whole beside.
-      CHECK(std::abs(mean - share * (kReflectance * up + gloss)) < 5 * error + 1e-3);
-      CHECK(error < 0.01 * mean);  // rays go where the lobe is
+      CHECK_WITHIN(mean - share * (kReflectance * up + gloss), 5 * error + 1e-3);
+      CHECK_BELOW(error, 0.01 * mean);  // rays go where the lobe is
     }
 }
 
@@ -180,9 +181,9 @@ TEST_CASE("S21 gloss: a wall that is gloss alone sends the sun on to the ground 
     CAPTURE(roughness);
     CAPTURE(by_wall);
     CAPTURE(error);
-    CHECK(std::abs(mean / kSunIrradiance - want) < 5 * error / kSunIrradiance + 1e-3 * want);
+    CHECK_WITHIN(mean / kSunIrradiance - want, 5 * error / kSunIrradiance + 1e-3 * want);
     CHECK(by_wall > 0.02);
-    CHECK(error < 0.01 * mean);
+    CHECK_BELOW(error, 0.01 * mean);
   }
 }
 

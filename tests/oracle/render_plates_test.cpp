@@ -8,6 +8,7 @@
 
 #include "host/render/truth.h"
 #include "scene_compiler/matter.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/lit_scenes.h"
 
 namespace {
@@ -101,7 +102,7 @@ TEST_CASE("S23 plates: what they mirror by their gloss does not hang on what the
   const auto with = glossy.image(4, kSkyRadiance), without = bare.image(4, kSkyRadiance);
   for (int b = 0; b < static_cast<int>(kCentres.size()); ++b) {
     const auto one = mean_of(with, b), other = mean_of(without, b);
-    CHECK(std::abs(one.value - other.value) < 4.5 * std::hypot(one.error, other.error) + 1e-6 * other.value);
+    CHECK_WITHIN(one.value - other.value, 4.5 * std::hypot(one.error, other.error) + 1e-6 * other.value);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "atmos_tables/synthetic.h"
 #include "kernels/materials/shapes.h"
 #include "scene_compiler/shape_list.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/shape_cases.h"
 
@@ -122,7 +123,7 @@ TEST_CASE("S16 shapes: an even sky over a tilted plane is the integral of the sh
     MESSAGE(scene::shape_entry(shape.number).name << " " << shape.parameter[0] << ": mean difference " << difference
                                                   << " +- " << error << ", of a pixel " << of_a_pixel);
     // The quadrature above is good to 1e-3; directions are drawn anew for each pixel.
-    CHECK(std::abs(difference) < 4 * error + 1e-3);
+    CHECK_WITHIN(difference, 4 * error + 1e-3);
     CHECK(of_a_pixel < 0.1);
   }
 }

@@ -13,6 +13,7 @@
 #include "scene_compiler/fresnel.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/spectral_shape.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -216,7 +217,7 @@ TEST_CASE("S21 shapes by wavelength: an even sky is the integral of what lies be
       CAPTURE(kCentres[b]);
       CAPTURE(difference);
       CAPTURE(error);
-      CHECK(std::abs(difference) < 4 * error + 1e-3);  // of the quadrature 1e-3, as in test render_shapes
+      CHECK_WITHIN(difference, 4 * error + 1e-3);  // of the quadrature 1e-3, as in test render_shapes
       CHECK(std::sqrt(sums[b].square_of_pixels / (count * kBlock * kBlock)) < 0.15);
     }
   }

@@ -12,6 +12,7 @@
 #include "host/base/planck.h"
 #include "host/base/units.h"
 #include "host/render/truth.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -251,8 +252,8 @@ TEST_CASE("S16 ground beside a wall: sky and wall share its hemisphere by the cl
     const double mean = sum / 576, rms = std::sqrt(square / 576),
                  standard_error = std::sqrt((square / 576 - mean * mean) / 575);
     MESSAGE(directions << " directions: mean " << mean / standard_error << " standard errors, rms " << rms);
-    CHECK(std::abs(mean) < 4 * standard_error + 1e-5);
-    CHECK(rms < limit);
+    CHECK_WITHIN(mean, 4 * standard_error + 1e-5);
+    CHECK_BELOW(rms, limit);
   }
 }
 

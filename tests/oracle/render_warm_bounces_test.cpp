@@ -11,6 +11,7 @@
 #include "host/base/planck.h"
 #include "scene_compiler/matter.h"
 #include "scene_compiler/spectral_shape.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/lit_scenes.h"
 #include "tests/support/test_scenes.h"
 
@@ -253,8 +254,8 @@ TEST_CASE("S16 warm paths: what stands for the surroundings does not matter wher
   for (int b = 0; b < static_cast<int>(kCenters.size()); ++b) {
     CAPTURE(b);
     const auto one = mean_of(plain, b), other = mean_of(hot, b);
-    CHECK(std::abs(one.value - other.value) < 4.5 * std::hypot(one.error, other.error) + 2e-3 * one.value);
-    CHECK(other.error < 0.02 * one.value);
+    CHECK_WITHIN(one.value - other.value, 4.5 * std::hypot(one.error, other.error) + 2e-3 * one.value);
+    CHECK_BELOW(other.error, 0.02 * one.value);
   }
 }
 

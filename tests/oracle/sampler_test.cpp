@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/sensors/psf.h"
 #include "kernels/sampling/sampler.h"
+#include "tests/support/chance_checks.h"
 
 using namespace raycube;
 
@@ -31,7 +32,7 @@ struct EdgeError {
 
 // Half-planes whose edge passes through a random point of the pixel, at a random angle or parallel to the lines.
 EdgeError edge_error(int kind, int n, bool axis_aligned) {
-  std::mt19937_64 random(7);
+  std::mt19937_64 random(raycube::testing::seed(7));
   std::uniform_real_distribution<double> unit(0, 1);
   constexpr int kEdges = 20000;
   double sum = 0, worst = 0;
@@ -41,7 +42,8 @@ EdgeError edge_error(int kind, int n, bool axis_aligned) {
     const double nx = std::cos(angle), ny = std::sin(angle);
     const double x = unit(random) - 0.5, c = nx * x + ny * (unit(random) - 0.5);
     if (edge == 0 || kind != RC_SAMPLER_GRID)
-      for (int s = 0; s < n * n; ++s) rc_sample_uv(kind, n, n, 1.0f, 1u, static_cast<rc_u32>(edge), s, &u[s], &v[s]);
+      for (int s = 0; s < n * n; ++s)
+        rc_sample_uv(kind, n, n, 1.0f, raycube::testing::seed32(1), static_cast<rc_u32>(edge), s, &u[s], &v[s]);
     int inside = 0;
     for (int s = 0; s < n * n; ++s) inside += nx * u[s] + ny * v[s] < c;
     const double error = static_cast<double>(inside) / (n * n) - area_below(nx, ny, c);
@@ -63,22 +65,22 @@ TEST_CASE("S43 samplers: rms area error of a random half-plane edge, regular gri
   for (const Published& p : {Published{1, 0.286}, {4, 0.0343}, {7, 0.0152}, {11, 0.0073}, {16, 0.0040}, {31, 0.0015}}) {
     const EdgeError e = edge_error(RC_SAMPLER_GRID, p.n, false);
     MESSAGE(p.n << " x " << p.n << ": rms " << e.rms << " (published " << p.rms << "), max " << e.max);
-    CHECK(std::abs(e.rms - p.rms) < 0.06 * p.rms + 5e-5);
-    if (p.n == 11) CHECK(e.max < 0.046);  // published 0.044 as the largest of its own edges
+    CHECK_WITHIN(e.rms - p.rms, 0.06 * p.rms + 5e-5);
+    if (p.n == 11) CHECK_BELOW(e.max, 0.046);  // published 0.044 as the largest of its own edges
   }
 }
 
 TEST_CASE("S43 samplers: jittered cells, and the grid's weakness on edges parallel to it") {
-  CHECK(std::abs(edge_error(RC_SAMPLER_JITTERED, 11, false).rms - 0.0108) < 0.06 * 0.0108);
+  CHECK_WITHIN(edge_error(RC_SAMPLER_JITTERED, 11, false).rms - 0.0108, 0.06 * 0.0108);
   const double aligned = edge_error(RC_SAMPLER_GRID, 11, true).rms;
   CHECK(std::abs(aligned - 0.0267) < 0.03 * 0.0267);
-  CHECK(std::abs(aligned - 1 / (11 * std::sqrt(12.0))) < 0.02 * aligned);  // closed form: uniform error in one row
+  CHECK_WITHIN(aligned - 1 / (11 * std::sqrt(12.0)), 0.02 * aligned);  // closed form: uniform error in one row
   // A golden-ratio lattice has no rows: random and parallel edges alike, and better than the grid on the latter.
   const double lattice = edge_error(RC_SAMPLER_LATTICE, 11, false).rms,
                lattice_aligned = edge_error(RC_SAMPLER_LATTICE, 11, true).rms;
   MESSAGE("lattice 121: " << lattice << ", axis-aligned " << lattice_aligned);
-  CHECK(lattice < 1.5 * 0.0073);
-  CHECK(lattice_aligned < 0.5 * aligned);
+  CHECK_BELOW(lattice, 1.5 * 0.0073);
+  CHECK_BELOW(lattice_aligned, 0.5 * aligned);
 }
 
 TEST_CASE("S43 samplers: every sample in its cell or, lattice, one per stratum; any pixel, seed and support") {
@@ -114,16 +116,17 @@ TEST_CASE("S43 samplers: the random bits are uniform (chi-square) and differ bet
   constexpr int kDraws = 1 << 18;
   std::set<rc_u32> seen;
   for (int i = 0; i < kDraws; ++i) {
-    const rc_u32 bits = rc_hash(3u, static_cast<rc_u32>(i >> 7), static_cast<rc_u32>(i & 127), 12u);
+    const rc_u32 bits =
+        rc_hash(raycube::testing::seed32(3), static_cast<rc_u32>(i >> 7), static_cast<rc_u32>(i & 127), 12u);
     ++bins[static_cast<int>(rc_unit_float(bits) * 256)];
     seen.insert(bits);
   }
   double chi2 = 0;
   for (int n : bins) chi2 += (n - kDraws / 256.0) * (n - kDraws / 256.0) / (kDraws / 256.0);
-  CHECK(chi2 < 255 + 5 * std::sqrt(2 * 255.0));  // 5 standard deviations of chi-square with 255 degrees of freedom
-  CHECK(chi2 > 255 - 5 * std::sqrt(2 * 255.0));
+  CHECK_BELOW(chi2, 255 + 5 * std::sqrt(2 * 255.0));  // 5 standard deviations of chi-square with 255 degrees of freedom
+  CHECK_ABOVE(chi2, 255 - 5 * std::sqrt(2 * 255.0));
   // 2^18 draws of 32 bits: 8 coincidences expected (n^2 / 2^33); 30 would be 7 standard deviations
-  CHECK(seen.size() > kDraws - 30);
+  CHECK_ABOVE(seen.size(), kDraws - 30);
   CHECK(rc_hash(1u, 2u, 3u, 4u) != rc_hash(2u, 2u, 3u, 4u));
   CHECK(rc_hash(1u, 2u, 3u, 4u) != rc_hash(1u, 2u, 3u, 5u));
 }
@@ -133,10 +136,10 @@ TEST_CASE("S43 samplers: jitter along and across the line is independent") {
   constexpr int kCells = 1 << 16;  // of one sample each: jitter is the position itself
   for (int pixel = 0; pixel < kCells; ++pixel) {
     float u, v;
-    rc_sample_uv(RC_SAMPLER_JITTERED, 1, 1, 1.0f, 5u, static_cast<rc_u32>(pixel), 0, &u, &v);
+    rc_sample_uv(RC_SAMPLER_JITTERED, 1, 1, 1.0f, raycube::testing::seed32(5), static_cast<rc_u32>(pixel), 0, &u, &v);
     product += 12.0 * u * v / kCells;  // the correlation of two uniform numbers about 0, of variance 1/12 each
   }
-  CHECK(std::abs(product) < 5 / std::sqrt(double(kCells)));  // 5 standard errors
+  CHECK_WITHIN(product, 5 / std::sqrt(double(kCells)));  // 5 standard errors
 }
 
 // Each pixel's lattice is shifted by a hash of its own, so that over many pixels the mean has no preference for any
@@ -152,7 +155,7 @@ TEST_CASE("S43 samplers: lattices of a few samples do not shift the mean of chec
         int white = 0;
         for (int s = 0; s < side * side; ++s) {
           float u, v;
-          rc_sample_uv(RC_SAMPLER_LATTICE, side, side, 1.0f, 3u, pixel, s, &u, &v);
+          rc_sample_uv(RC_SAMPLER_LATTICE, side, side, 1.0f, raycube::testing::seed32(3), pixel, s, &u, &v);
           const auto cell = [&](float x) {
             return static_cast<int>(std::floor((x + 0.5f) * static_cast<float>(cells)));
           };
@@ -165,8 +168,8 @@ TEST_CASE("S43 samplers: lattices of a few samples do not shift the mean of chec
       const double mean = sum / kPixels, error = std::sqrt((squares / kPixels - mean * mean) / kPixels);
       CAPTURE(side);
       CAPTURE(cells);
-      CHECK(std::abs(mean - 0.5) < 4 * error + 1e-9);
-      CHECK(error < 1e-3 / side);
+      CHECK_WITHIN(mean - 0.5, 4 * error + 1e-9);
+      CHECK_BELOW(error, 1e-3 / side);
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/lidar/detection.h"
 #include "host/lidar/volumes.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/devices.h"
 #include "tests/support/lidar_device.h"
 #include "tests/support/lidar_kit.h"
@@ -74,7 +75,7 @@ TEST_CASE(
           counts += bin;
         }
         // Poisson: five standard deviations, and the rounding of floats above 2^24.
-        CHECK(std::abs(counts - sum) <= 5 * std::sqrt(sum) + 1e-6 * sum);
+        CHECK_WITHIN(counts - sum, 5 * std::sqrt(sum) + 1e-6 * sum);
       }
     }
 }

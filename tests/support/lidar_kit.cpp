@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/lidar/footprint.h"
+#include "tests/support/seeds.h"
 
 namespace raycube::test {
 
@@ -119,7 +120,7 @@ lidar::PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s, int pha
 lidar::LidarPlan hand_plan(const scene::Lidar& lidar, const scene::CompiledScene& scene, std::uint64_t seed) {
   lidar::LidarPlan plan;
   plan.lidar = lidar;
-  plan.seed = seed;
+  plan.seed = testing::seed(seed);
   for (const auto& line : lidar.pulse.lines) {
     plan.first_node.push_back(static_cast<int>(plan.nodes.size()));
     plan.nodes.push_back({static_cast<int>(plan.photons.size()), line.wavelength_um, 1});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "atmos_tables/synthetic.h"
+#include "tests/support/chance_checks.h"
 #include "tests/support/render_kit.h"
 
 namespace raycube::test {
@@ -36,8 +37,8 @@ inline void check_mean(const Mean& found, double want, double unlike) {
   CAPTURE(found.value);
   CAPTURE(found.error);
   CAPTURE(want);
-  CHECK(std::abs(found.value - want) < 4.5 * found.error + unlike * want);
-  CHECK(found.error < 0.01 * want);
+  CHECK_WITHIN(found.value - want, 4.5 * found.error + unlike * want);
+  CHECK_BELOW(found.error, 0.01 * want);
 }
 
 /// A reflectance that bends: a + b sin(c l), on nodes of 5 nm.

@@ -10,6 +10,7 @@
 #include "host/render/truth.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/kept_programs.h"
+#include "tests/support/seeds.h"
 
 namespace raycube::test {
 
@@ -129,8 +130,8 @@ Image render_planned(const scene::Simulation& simulation, plan::Plan plan, const
   image.bands = static_cast<int>(instrument.bands.size());
   image.layers = static_cast<int>(render::truth_layer_names(simulation.scene, instrument).size());
   render::Renderer renderer(simulation.scene, options);
-  image.statistics =
-      renderer.render(instrument, image.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
+  image.statistics = renderer.render(
+      instrument, image.plan, simulation.sun, testing::seed(simulation.seed), [&](const render::Strip& strip) {
         const std::size_t pixels = std::size_t(strip.lines) * image.pixels;
         image.radiance.insert(image.radiance.end(), strip.radiance, strip.radiance + pixels * image.bands);
         if (strip.band_error)

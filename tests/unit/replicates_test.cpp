@@ -8,6 +8,7 @@
 
 #include "host/render/replicates.h"
 #include "host/render/truth.h"
+#include "tests/support/chance_checks.h"
 
 namespace {
 
@@ -70,8 +71,8 @@ TEST_CASE("truth of a mean: an image that hits nothing leaves what the others sa
 
 TEST_CASE("the spread of replicates is what their mean errs, and says how well it is known") {
   // Gaussian draws of deviation 3 (first band) and 1 about 10: the mean of R errs by 9 / R and 1 / R in the square.
-  constexpr std::size_t kPixels = 4000, kBands = 2;
-  std::mt19937_64 random(5);
+  constexpr std::size_t kPixels = 8000, kBands = 2;
+  std::mt19937_64 random(raycube::testing::seed(5));
   for (const int replicates : {2, 4, 8}) {
     ReplicateSums sums(kPixels, kBands, 1, 1);
     const std::vector<float> layers(kPixels * (truth::abundance + 1), 0.0f);
@@ -93,13 +94,13 @@ TEST_CASE("the spread of replicates is what their mean errs, and says how well i
       const double want = (b == 0 ? 9.0 : 1.0) / replicates, found = spread.square[b] / spread.pixels;
       // Chi-square of so many degrees: five of its standard deviations; of the noise's own mean a tenth.
       const double deviation = want * std::sqrt(2 / degrees);
-      CHECK(std::abs(found - want) < 5 * deviation);
-      CHECK(std::abs(std::sqrt(spread.noise[b]) / spread.pixels - deviation) < 0.1 * deviation);
-      CHECK(std::abs(spread.radiance[b] / spread.pixels - 10) < 5 * std::sqrt(want / kPixels));
+      CHECK_WITHIN(found - want, 5 * deviation);
+      CHECK_WITHIN(std::sqrt(spread.noise[b]) / spread.pixels - deviation, 0.1 * deviation);
+      CHECK_WITHIN(spread.radiance[b] / spread.pixels - 10, 5 * std::sqrt(want / kPixels));
     }
     std::vector<float> mean(kBands), truth(truth::abundance + 1);
     sums.mean(7, 1, mean.data(), truth.data(), truth.size());
-    CHECK(std::abs(mean[0] - 10) < 5 * 3 / std::sqrt(static_cast<double>(replicates)));
+    CHECK_WITHIN(mean[0] - 10, 5 * 3 / std::sqrt(static_cast<double>(replicates)));
   }
 }
 

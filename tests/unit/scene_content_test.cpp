@@ -4,6 +4,7 @@
 
 #include "scene_compiler/panels.h"
 #include "scene_compiler/polygon.h"
+#include "tests/support/chance_checks.h"
 #include "tests/unit/scene_triangles.h"
 
 using namespace raycube;
@@ -178,7 +179,8 @@ TEST_CASE("S3 scatter by density: count, region, class, seed") {
                            "\"grey\", 2 = \"grey\" }\n[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = "
                            "\"grey\"\n[[scatter]]\nmesh = \"m\"\ndensity_per_m2 = 0.5\n";
   const auto count = [&](const std::string& more, auto&& inside) {
-    const auto scene = load(folder, head + more).scene;
+    const std::string seed = std::to_string(raycube::testing::seed(1));
+    const auto scene = load(folder, head + "seed = " + seed + "\n" + more).scene;
     for (std::size_t i = 1; i < scene.instances.size(); ++i)
       CHECK(inside(scene.instances[i].world_from_local_0.w, scene.instances[i].world_from_local_1.w));
     return static_cast<double>(scene.instances.size() - 1);
@@ -188,9 +190,9 @@ TEST_CASE("S3 scatter by density: count, region, class, seed") {
   // A triangle of half the rectangle, and the class's half of the terrain: binomial, 4 standard deviations.
   const double triangle = count("polygon_m = [[10, 10], [90, 10], [10, 60]]\n",
                                 [](float x, float y) { return (x - 10) / 80 + (y - 10) / 50 <= 1.0001f; });
-  CHECK(std::abs(triangle - 1000) < 4 * std::sqrt(2000 * 0.25));
+  CHECK_WITHIN(triangle - 1000, 4 * std::sqrt(2000 * 0.25));
   const double west = count("class = 1\n", [](float x, float) { return x <= 50; });
-  CHECK(std::abs(west - 2500) < 4 * std::sqrt(5000 * 0.25));
+  CHECK_WITHIN(west - 2500, 4 * std::sqrt(5000 * 0.25));
   const auto hash = [&](const std::string& more) { return load(folder, head + more).scene.content_hash; };
   CHECK(hash("class = 1\n") == hash("class = 1\nseed = 1\n"));
   CHECK(hash("class = 1\n") != hash("class = 1\nseed = 2\n"));
