@@ -337,13 +337,14 @@ std::set<std::string> KeptKernels::new_folders() const {
   return folders;
 }
 
+bool KeptKernels::can_take_code() const { return cache().ours; }
+
 void KeptKernels::take_code() {
   const fs::path& driver = cache().driver;
-  const auto folders = cache().ours ? new_folders() : std::set<std::string>();
-  if (folders.size() != 1) return;
-  code_ = content_of(driver / *folders.begin() / kDriverCode);
+  const auto folders = new_folders();
+  if (folders.size() == 1) code_ = content_of(driver / *folders.begin() / kDriverCode);
   std::error_code ignored;
-  fs::remove_all(driver / *folders.begin(), ignored);  // a build from source would take the code for a whole program
+  for (const auto& folder : folders) fs::remove_all(driver / folder, ignored);
 }
 
 void KeptKernels::built(bool of_code) {

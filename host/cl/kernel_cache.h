@@ -57,6 +57,9 @@ class KeptKernels {
   /// The driver's intermediate code of the program that was kept with its kernels: a program built of it needs no
   /// front end. Empty where there is none.
   const std::string& code() const { return code_; }
+  /// Whether the driver's folder is ours, so that what its front end writes there can be taken. In a POCL_CACHE_DIR of
+  /// the user's it would stay, and a later build from source would take it for a whole program.
+  bool can_take_code() const;
   /// After the driver's front end compiled the source: takes the intermediate code that it wrote, if it wrote any.
   void take_code();
   /// The driver has made its folders for the program, `of_code` by a build of the intermediate code.

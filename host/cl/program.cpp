@@ -45,7 +45,7 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
   log_program(name, *kept_, asked);
   const DriverWork work;
   bool of_code = build(created_of_code(context), asked) == CL_SUCCESS;
-  if (!of_code && on.platform == kPocl) {
+  if (!of_code && on.platform == kPocl && kept_->can_take_code()) {
     const Built front = created_of_source(context, source);
     if (clCompileProgram(front(), 1, &device_, asked.c_str(), 0, nullptr, nullptr, nullptr, nullptr) == CL_SUCCESS)
       kept_->take_code();

@@ -74,6 +74,8 @@ def home_of_its_own(work, digest):
     kept = {path: path.read_bytes() for path in kept_in(store)}
     check(len(kept) >= 2 and mode(store) == 0o700 and all(mode(path) == 0o600 for path in kept), kept.keys())
     check(sorted(store.iterdir()) == sorted(kept), list(store.iterdir()))  # this run's own folder is gone
+    for content in kept.values():  # the intermediate code, too, so that no later process reads the source
+        check("raycube-code.bc" in names(unpacked(content)), list(unpacked(content)))
     check(not (work / "home/.cache/pocl").exists() and list((work / "tmp").iterdir()) == [])
     for path in kept:
         os.utime(path, (time.time() - 3600,) * 2)  # file systems tell times to a few milliseconds, or seconds
