@@ -1,11 +1,13 @@
-# A relocatable installation: the program (kernels inside), its man page, and plots and scenes under share/raycube,
-# found relative to the executable (host/base/data_folder.h). `cpack -G DEB` makes a Debian package of the same files.
+# A relocatable installation: the program (kernels inside), its man page, and plots, scenes and the compiled kernels of
+# a first scene under share/raycube, found relative to the executable (host/base/data_folder.h). `cpack -G DEB` makes a
+# Debian package of the same files.
 include(GNUInstallDirs)
 install(TARGETS raycube RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${CMAKE_BINARY_DIR}/raycube.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/raycube USE_SOURCE_PERMISSIONS
         PATTERN "__pycache__" EXCLUDE PATTERN "*.pyc" EXCLUDE)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/raycube/kernels DESTINATION ${CMAKE_INSTALL_DATADIR}/raycube OPTIONAL)
 if(EXISTS ${PROJECT_SOURCE_DIR}/host/plots)
   install(DIRECTORY host/plots DESTINATION ${CMAKE_INSTALL_DATADIR}/raycube USE_SOURCE_PERMISSIONS
           PATTERN "__pycache__" EXCLUDE PATTERN "*.pyc" EXCLUDE)

@@ -1,5 +1,5 @@
-// Where the program's own data lies: plots/ and scenes/. Found relative to the executable, so an installation can be
-// moved.
+// Where the program's own data lies: plots/, scenes/ and kernels/. Found relative to the executable, so an installation
+// can be moved.
 #pragma once
 
 #include <filesystem>

@@ -10,4 +10,8 @@ namespace raycube::base {
 /// to user 12345".
 std::string read_own_file(const std::string& path);
 
+/// The same of a file that was installed with the program: it may also belong to the user who owns the program's file,
+/// or to root.
+std::string read_installed_file(const std::string& path);
+
 }  // namespace raycube::base

@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include "host/base/cache_folder.h"
+#include "host/base/data_folder.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/memory.h"
@@ -39,7 +40,7 @@ constexpr std::uint64_t kRoom_bytes =
 constexpr std::uint64_t kMost_bytes = 256u << 20;  ///< of all that is kept; the longest unused goes first
 constexpr auto kMostAge = std::chrono::hours(24 * 90);
 constexpr const char* kSuffix = ".kernels";
-constexpr const char* kDriverCode = "program.bc";   ///< PoCL's intermediate code, in its folder of a program
+constexpr const char* kDriverCode = "program.bc";     ///< PoCL's intermediate code, in its folder of a program
 constexpr const char* kKeptCode = "raycube-code.bc";  ///< what a program was built of, beside it
 constexpr const char* kRunPrefix = "run-";
 constexpr const char* kPrivatePrefix = "raycube-kernels-";
@@ -47,8 +48,9 @@ constexpr const char* kPrivatePrefix = "raycube-kernels-";
 /// The cache of this process. It is never destroyed: threads of drivers outlive static objects.
 struct Cache {
   std::once_flag prepared;
-  fs::path store;   ///< what is kept; empty: nothing
-  fs::path driver;  ///< POCL_CACHE_DIR
+  fs::path store;      ///< what is kept; empty: nothing
+  fs::path installed;  ///< what came with the program; empty: nothing
+  fs::path driver;     ///< POCL_CACHE_DIR
   bool ours = false;
   pid_t process = 0;  ///< whose folder it is: a child that ends takes nothing away
   std::function<void(Level, const std::string&)> notices;
@@ -168,6 +170,10 @@ void prepare(Cache& c) {
     c.driver = users;
     return;
   }
+  try {
+    c.installed = base::data_folder() / "kernels";
+  } catch (const base::Error&) {  // a program without data, as tests are; who needs others of them says so
+  }
   c.store = base::cache_folder("kernels");
   std::string why = c.store.empty() ? "neither XDG_CACHE_HOME nor HOME is set" : claim(c.store);
   if (why.empty()) {
@@ -238,8 +244,9 @@ std::string content_of(const fs::path& file) {
 std::string folder_of(const fs::path& name) { return (*name.begin() / *std::next(name.begin())).string(); }
 
 /// Writes the files of the sound archive `file` where the driver looks. When that fails nothing of them stays
-/// there, the archive stays, and a full disk is the error; for any other reason false, with a warning.
-bool put_for_driver(const KernelFiles& files, const fs::path& file) {
+/// there, the archive stays, and a full disk is the error; for any other reason false, with a warning that says what is
+/// done instead.
+bool put_for_driver(const KernelFiles& files, const std::string& file, const std::string& instead) {
   const fs::path& driver = cache().driver;
   const auto before = driver_folders(driver);
   try {
@@ -250,13 +257,25 @@ bool put_for_driver(const KernelFiles& files, const fs::path& file) {
     for (const auto& [name, content] : files)
       if (!before.count(folder_of(name))) fs::remove_all(driver / folder_of(name), code);
     blame_full_disk();
-    notice(Level::warning, "kernels kept in " + file.string() + " cannot be used by this run: " + failed.what() +
-                               "; they are compiled anew");
+    notice(Level::warning,
+           "kernels kept in " + file + " cannot be used by this run: " + failed.what() + "; " + instead);
     return false;
   }
 }
 
-fs::path file_of(const std::string& key) { return cache().store / (key + kSuffix); }
+/// The archive of `key` in `folder`, or nothing where there is no such folder.
+fs::path file_of(const fs::path& folder, const std::string& key) {
+  return folder.empty() ? fs::path() : folder / (key + kSuffix);
+}
+
+bool lies_there(const fs::path& file) {
+  std::error_code ignored;
+  return !file.empty() && fs::exists(fs::symlink_status(file, ignored));
+}
+
+KernelFiles read_archive(const std::string& key, const fs::path& file, bool installed) {
+  return unpack_kernels(key, installed ? base::read_installed_file(file) : base::read_own_file(file));
+}
 
 }  // namespace
 
@@ -303,31 +322,32 @@ DriverWork::~DriverWork() { --at_work; }
 KeptKernels::KeptKernels(std::string_view key) : key_(base::sha256_hex(key)), building_(cache().building) {
   Cache& c = cache();
   if (!c.ours) return;
-  found_ = c.folders.count(key_) > 0 || (!c.store.empty() && take());
+  found_ = c.folders.count(key_) > 0 || take(file_of(c.store, key_), false) || take(file_of(c.installed, key_), true);
   if (found_ && c.folders[key_].size() == 1) code_ = content_of(c.driver / *c.folders[key_].begin() / kKeptCode);
   before_ = driver_folders(c.driver);
 }
 
-bool KeptKernels::take() const {
-  const fs::path file = file_of(key_);
+bool KeptKernels::take(const std::string& file, bool installed) const {
+  if (!lies_there(file)) return false;
+  const std::string instead = !installed && lies_there(file_of(cache().installed, key_))
+                                  ? "those that came with the program are taken"
+                                  : "they are compiled anew";
   std::error_code code;
-  if (!fs::exists(fs::symlink_status(file, code))) return false;
   KernelFiles files;
   try {
-    files = unpack_kernels(key_, base::read_own_file(file));
+    files = read_archive(key_, file, installed);
   } catch (const std::exception& damaged) {
-    fs::remove(file, code);
-    notice(Level::warning,
-           "kernels kept in " + file.string() + " are damaged: " + damaged.what() + "; they are compiled anew");
+    if (!installed) fs::remove(file, code);
+    notice(Level::warning, "kernels kept in " + file + " are damaged: " + damaged.what() + "; " + instead);
     return false;
   }
-  if (!put_for_driver(files, file)) {
+  if (!put_for_driver(files, file, instead)) {
     cache().useless.insert(key_);
     return false;
   }
   for (const auto& [name, content] : files) cache().folders[key_].insert(folder_of(name));
-  fs::last_write_time(file, fs::file_time_type::clock::now(), code);
-  notice(Level::detail, "kernels: compiled ones from the cache, " + file.string());
+  if (!installed) fs::last_write_time(file, fs::file_time_type::clock::now(), code);
+  notice(Level::detail, "kernels: compiled ones from " + file);
   return true;
 }
 
@@ -377,11 +397,11 @@ void KeptKernels::keep() const {
   const auto folders = c.folders.find(key_);
   if (folders == c.folders.end()) return;
   KernelFiles files = read_folders(c.driver, folders->second);
-  const fs::path file = file_of(key_);
-  std::error_code code;
+  const fs::path file = file_of(c.store, key_), came = file_of(c.installed, key_);
+  const bool own = lies_there(file);
   // What could not be used is not carried along: the next run would meet it again.
-  if (fs::exists(file, code) && !c.useless.count(key_)) try {
-      const KernelFiles kept = unpack_kernels(key_, base::read_own_file(file));
+  if ((own || lies_there(came)) && !c.useless.count(key_)) try {
+      const KernelFiles kept = read_archive(key_, own ? file : came, !own);
       // Of other work-group sizes, by another run; not of a driver that does not look there any more.
       for (const auto& entry : kept)
         if (folders->second.count(folder_of(entry.first))) files.insert(entry);

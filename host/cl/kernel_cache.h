@@ -4,7 +4,8 @@
 // known name under /tmp. So each process gives PoCL a folder of its own (POCL_CACHE_DIR, mode 0700, removed
 // at the end), puts verified files there before a program is built, and keeps what PoCL added when the
 // program goes. A POCL_CACHE_DIR that the user set is the user's: it is taken as it is, and nothing is kept
-// here.
+// here. Kernels that were compiled with the program (cmake/CompileKernels.cmake) lie in its data folder,
+// kernels/, in the same form; they are taken where the user's folder has none, and never changed.
 #pragma once
 
 #include <functional>
@@ -47,8 +48,9 @@ class DriverWork {
 class KeptKernels {
  public:
   /// Puts what was kept under `key` (all that the compiled code depends on) where the driver looks, if every
-  /// byte of it is whole; removes it, with a warning, if not. Other programs wait with their builds until
-  /// built() or the end of this one. Throws Error(environment) where the disk is too full for it.
+  /// byte of it is whole; removes it, with a warning, if not. Where nothing was kept, it does so with what came with
+  /// the program. Other programs wait with their builds until built() or the end of this one. Throws
+  /// Error(environment) where the disk is too full for it.
   explicit KeptKernels(std::string_view key);
   /// Whether what was kept has been put where the driver looks: nothing of it has to be compiled.
   bool found() const { return found_; }
@@ -64,14 +66,14 @@ class KeptKernels {
   void take_code();
   /// The driver has made its folders for the program, `of_code` by a build of the intermediate code.
   void built(bool of_code);
-  /// Keeps the program's files if the driver has added to them. Call it when no kernel of it is compiled any
-  /// more.
+  /// Keeps the program's files if the driver has added to what was kept or came with the program. Call it when no
+  /// kernel of it is compiled any more.
   ~KeptKernels();
   KeptKernels(const KeptKernels&) = delete;
   KeptKernels& operator=(const KeptKernels&) = delete;
 
  private:
-  bool take() const;
+  bool take(const std::string& file, bool installed) const;
   void keep() const;
   std::set<std::string> new_folders() const;
   std::string key_;  ///< SHA-256, hexadecimal

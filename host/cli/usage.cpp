@@ -173,7 +173,7 @@ const std::vector<ExitStatus>& exit_statuses() {
 
 const std::vector<EnvironmentVariable>& environment_variables() {
   static const std::vector<EnvironmentVariable> variables = {
-      {"RAYCUBE_DATA", "Folder with plots and scenes, instead of share/raycube beside the program"},
+      {"RAYCUBE_DATA", "Folder with plots, scenes and compiled kernels, instead of share/raycube beside the program"},
       {"RAYCUBE_PYTHON", "Python with laspy and lazrs, which LAZ files need"}};
   return variables;
 }

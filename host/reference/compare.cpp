@@ -32,6 +32,30 @@ namespace {
 /// Part of the tolerance from which on the light that surfaces emit is reported though the plan has none.
 constexpr double kThermalShown = 0.1;
 
+/// How far fp32 may misplace a direction in the maps of the sky, rad: both its angles, the maps' nodes and the
+/// direction itself are rounded to 2^-24 of at most pi, its angles also to 2e-8 by their series
+/// (kernels/light/sky_map.h).
+constexpr double kMisplaced_rad = 4 * 3.15 * kUlp;
+
+/// By how much the light from `direction` may differ where that is misplaced: per component, sr-1, to the first order.
+/// The maps are linear between nodes, so a slope holds on one side only: the steepest of all four sides counts.
+Components misplaced_light(const plan::Plan& plan, const glm::dvec3& direction) {
+  constexpr double kStep_rad = 1e-6;
+  const double across = std::hypot(direction.x, direction.y);
+  const glm::dvec3 turn = across > 0 ? glm::dvec3(-direction.y, direction.x, 0) / across : glm::dvec3(1, 0, 0);
+  const glm::dvec3 down = glm::cross(turn, direction);
+  const Components here = sky_light(plan, direction);
+  Components out{};
+  for (const glm::dvec3& step : {turn, -turn, down, -down}) {
+    const glm::dvec3 beside = glm::normalize(direction + kStep_rad * step);
+    if (beside.z < 0) continue;
+    const Components there = sky_light(plan, beside);
+    for (std::size_t m = 0; m < out.size(); ++m)
+      out[m] = std::max(out[m], std::abs(there[m] - here[m]) * kMisplaced_rad / kStep_rad);
+  }
+  return out;
+}
+
 /// What each band's difference is relative to.
 std::vector<double> scales(const std::vector<double>& reference, double floor) {
   double largest = 0;
@@ -85,6 +109,13 @@ void Comparison::compare_sky(const Sample& sample, const float* device, SentRays
                   (std::abs(light[m]) + kSlope * brightest_[m]);
       residual[m] -= ray.weight * light[m] * ((ray.open ? turned : 0) - known);
     }
+  }
+  if (within(residual, bound)) return;
+  for (const SentRay& ray : sent) {
+    if (ray.weight == 0) continue;
+    const double turned = std::max(1.0, spread(scene_.compiled, sample, ray.direction));
+    const Components misplaced = misplaced_light(plan_, ray.direction);
+    for (std::size_t m = 0; m < components; ++m) bound[m] += turned * ray.weight * misplaced[m];
   }
   if (within(residual, bound)) return;
   std::vector<std::size_t> ties;

@@ -41,6 +41,10 @@ with tempfile.TemporaryDirectory() as folder:
         assert f".SS {verb}" in manual, verb
     assert "EXIT STATUS" in manual
     assert (prefix / "share/raycube/scenes/park/park.toml").is_file()
+    built = sorted(path.name for path in (build / "share/raycube/kernels").glob("*.kernels"))
+    installed = prefix / "share/raycube/kernels"
+    assert sorted(path.name for path in installed.glob("*")) == built, built  # none where the build had no device
+    assert all(path.stat().st_mode & 0o777 == 0o644 for path in installed.glob("*"))
 
     # `new` needs share/raycube: it must come from the moved prefix, not from the build tree.
     written = json.loads(run(program, "new", "--json", "garden", cwd=elsewhere).stdout)

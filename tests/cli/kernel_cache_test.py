@@ -4,7 +4,8 @@ swept; a private one without a home; one error where the disk is full. The oracl
 driver's own cache. usage: kernel_cache_test.py RAYCUBE TWO_KERNELS [--full]
 Without --full: what is kept, what is damaged (in half of the ways) and what has no home, of TWO_KERNELS: a program that
 compiles two kernels of a line each, 1 s, where a render compiles for 3 to 12 s. Of the render, that it heals what is
-damaged. The other cases find an empty cache each, and so compile all kernels anew."""
+damaged, and that it takes what came with the program. The other cases find an empty cache each, and so compile all
+kernels anew."""
 
 import fcntl
 import hashlib
@@ -27,14 +28,16 @@ SHARED_PLACES = [pathlib.Path("/tmp/.cache/pocl"), pathlib.Path("/tmp/.cache/ray
 
 
 def environment(work, **more):
-    """A bare machine: homes and temporary files under `work`, nothing of the user's."""
+    """A bare machine: homes and temporary files under `work`, nothing of the user's, no kernels with the program."""
     kept = {
         name: value
         for name, value in os.environ.items()
         if name not in ("HOME", "XDG_CACHE_HOME", "POCL_CACHE_DIR", "TMPDIR")
     }
-    (work / "tmp").mkdir(exist_ok=True)
-    return {**kept, "TMPDIR": str(work / "tmp"), **{name: str(value) for name, value in more.items()}}
+    for place in ("tmp", "data"):
+        (work / place).mkdir(exist_ok=True)
+    more = {"TMPDIR": work / "tmp", "RAYCUBE_DATA": work / "data", **more}
+    return {**kept, **{name: str(value) for name, value in more.items()}}
 
 
 def command(work, out, whole):
@@ -335,6 +338,50 @@ def healed_by_a_render(work):
     check(victim.stat().st_size > len(content) // 2)
 
 
+def came_with_the_program(work):
+    """A first render of `raycube new`'s scene finds every kernel compiled with the program, and keeps none itself. One
+    that is damaged, or that others may write, is compiled anew and left as it is."""
+    data = pathlib.Path(program.path).parent / "share/raycube"
+    program.run("new", work / "garden")
+
+    def first_render(name, data, warnings=0, says=()):
+        log = work / "first.tsv"
+        log.unlink(missing_ok=True)
+        env = environment(work, XDG_CACHE_HOME=work / "first", RAYCUBE_DATA=data, RAYCUBE_PROGRAM_LOG=log)
+        out = work / "first renders" / name
+        command = [program.path, "render", work / "garden/garden.toml", "-o", out]
+        done = patience.run(command, env=env, capture_output=True, text=True)
+        check(done.returncode == 0 and done.stderr.count("raycube: warning: ") == warnings, name, done.stderr)
+        for part in says:
+            check(part in done.stderr, name, part, done.stderr)
+        asked = [line.split("\t")[1:3] for line in log.read_text().splitlines()]
+        compiled = {key for key, how in asked if how == "compiled"}
+        return record(out / "camera")["digest"], {key for key, _ in asked}, compiled
+
+    store = work / "first/raycube/kernels"
+    digest, programs, compiled = first_render("installed", data)
+    check(len(programs) >= 3 and not compiled and not kept_in(store), programs, compiled, kept_in(store))
+    own = work / "installation"
+    shutil.copytree(data / "kernels", own / "kernels")
+    victim = min((own / "kernels" / f"{key}.kernels" for key in programs), key=lambda path: path.stat().st_size)
+    sound = victim.read_bytes()
+    cut = sound[: len(sound) // 2]
+    victim.write_bytes(cut)
+    says = [str(victim), "damaged", "compiled anew"]
+    check(first_render("cut short", own, warnings=1, says=says) == (digest, programs, {victim.stem}))
+    healed = store / victim.name
+    check(victim.read_bytes() == cut and kept_in(store) == [healed])
+    check(first_render("healed", own) == (digest, programs, set()))
+    victim.write_bytes(sound)
+    healed.write_bytes(cut)
+    says = [str(healed), "damaged", "those that came with the program are taken"]
+    check(first_render("user's cut short", own, warnings=1, says=says) == (digest, programs, set()))
+    check(kept_in(store) == [])
+    victim.chmod(0o646)
+    says = [str(victim), "others may write it", "compiled anew"]
+    check(first_render("open to others", own, warnings=1, says=says) == (digest, programs, {victim.stem}))
+
+
 def at_once(work, digest):
     """Two runs that find an empty cache at the same time."""
     env = environment(work, XDG_CACHE_HOME=work / "together")
@@ -367,4 +414,5 @@ with tempfile.TemporaryDirectory() as folder:
         at_once(work, digest)
     else:
         healed_by_a_render(work)
+        came_with_the_program(work)
 print(f"kernel cache: {program.checks} checks")

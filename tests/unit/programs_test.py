@@ -2,10 +2,12 @@
 """Counts the OpenCL programs that the tests compiled, and names the tests that asked for each: most of the time of a
 first run is PoCL compiling kernels, so a program more is minutes more on every machine.
 usage: programs_test.py FOLDER --begin            empties the folder, before the tests
-       programs_test.py FOLDER [--most N] [--json FILE]  after them: fails when they compiled more than N programs
+       programs_test.py FOLDER [--build FILE] [--most N] [--json FILE]  after them: fails when they compiled more than N
+                                                                        programs
 FOLDER holds a file TEST.tsv for each test, which its processes wrote (RAYCUBE_PROGRAM_LOG, host/cl/program.cpp): name,
-hash, "compiled" or "kept", options. Two programs are the same when name, source, options and device are. Sources of a
-few lines that tests of the cache and of error messages make up are listed apart: they take milliseconds."""
+hash, "compiled" or "kept", options. FILE is the same of the build (cmake/CompileKernels.cmake). Two programs are the
+same when name, source, options and device are. Sources of a few lines that tests of the cache and of error messages
+make up are listed apart: they take milliseconds."""
 
 import argparse
 import collections
@@ -21,6 +23,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--begin", action="store_true")
+    parser.add_argument("--build", type=pathlib.Path)
     parser.add_argument("--most", type=int, default=40)
     parser.add_argument("--json", type=pathlib.Path)
     given = parser.parse_args()
@@ -30,7 +33,8 @@ def main():
         return 0
     tests = collections.defaultdict(list)  # by program, in the tests' order of names
     options, compiled = {}, 0
-    for file in sorted(given.folder.glob("*.tsv")):
+    built = [given.build] if given.build and given.build.exists() else []
+    for file in built + sorted(given.folder.glob("*.tsv")):
         for line in file.read_text().splitlines():
             name, key, how, asked = line.split("\t")
             compiled += how == "compiled"
