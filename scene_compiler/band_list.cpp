@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "scene_compiler/air_wavelength.h"
 #include "scene_compiler/csv_file.h"
@@ -42,6 +43,7 @@ std::vector<Band> gaussian_bands(const CsvFile& csv, const UnitColumn& center, b
     return {};
   }
   const auto name = csv.column("name");
+  std::set<std::string> names;
   std::vector<Band> bands;
   for (std::size_t row = 0; row < csv.rows.size(); ++row) {
     const auto c = csv.number(row, center.index, problems), w = csv.number(row, fwhm.index, problems);
@@ -55,6 +57,8 @@ std::vector<Band> gaussian_bands(const CsvFile& csv, const UnitColumn& center, b
     band.center_um = um_of(*c * center.unit_um, air);
     band.fwhm_um = *w * fwhm.unit_um;
     if (name) band.name = csv.rows[row][*name];
+    if (!band.name.empty() && !names.emplace(band.name).second)
+      problems.add(csv.at(row, *name), "two bands have one name", "'" + band.name + "'", "name each once");
     bands.push_back(std::move(band));
   }
   return bands;
@@ -142,6 +146,7 @@ std::vector<Band> long_table(const CsvFile& csv, const UnitColumn& wavelength, s
     if (w && r) add_sample(*band, *w * wavelength.unit_um, *r, air, csv.at(row, wavelength.index), problems);
   }
   std::erase_if(bands, [&](Band& band) { return !finish_tabulated(band, {csv.file, 0, 0, ""}, problems); });
+  for (Band& band : bands) trim_zeros(band);
   return bands;
 }
 

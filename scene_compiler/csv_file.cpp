@@ -13,19 +13,45 @@
 namespace raycube::scene {
 namespace {
 
-std::vector<std::string> split_cells(const std::string& line) {
-  std::vector<std::string> cells(1);
+constexpr std::size_t kMostColumns = 65536;
+
+/// The cells of a line, at most `most` of them, and how many there are.
+struct Cells {
+  std::vector<std::string> text;
+  std::size_t count = 0;
+};
+Cells split_cells(const std::string& line, char separator, std::size_t most) {
+  Cells out{std::vector<std::string>(1), 1};
   bool quoted = false;
   for (const char c : line) {
-    if (c == '"')
+    if (c == '"') {
       quoted = !quoted;
-    else if (c == ',' && !quoted)
-      cells.emplace_back();
-    else
-      cells.back() += c;
+    } else if (c == separator && !quoted) {
+      if (++out.count <= most) out.text.emplace_back();
+    } else if (out.count <= most) {
+      out.text.back() += c;
+    }
   }
-  for (auto& cell : cells) cell = trimmed(cell);
-  return cells;
+  for (auto& cell : out.text) cell = trimmed(cell);
+  return out;
+}
+
+/// By what the columns of a header are apart.
+char separator_of(const std::string& header) {
+  for (const char c : {',', ';', '\t'})
+    if (header.find(c) != std::string::npos) return c;
+  return ',';
+}
+
+/// Makes "0.25" of a cell "0,25"; false: it is no such number.
+bool take_decimal_comma(std::string& cell) {
+  const auto comma = cell.find(',');
+  if (comma == std::string::npos) return false;
+  std::string other = cell;
+  other[comma] = '.';
+  if (!parse_number(other)) return false;
+  cell = other;
+  return true;
 }
 
 void read_comment(const std::string& line, CsvFile& csv) {
@@ -58,6 +84,10 @@ std::optional<double> parse_number(std::string text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+bool says_percent(const std::string& text) {
+  return text.find('%') != std::string::npos || lower_case(text).find("percent") != std::string::npos;
 }
 
 bool check_readable(const std::string& file, const base::Where& asked_by, base::Problems& problems) {
@@ -116,7 +146,14 @@ std::optional<CsvFile> read_csv(const std::string& file, const base::Where& aske
   csv.file = file;
   std::istringstream stream(*text);
   std::string line;
-  bool sound = true;
+  struct Uneven {
+    std::size_t count = 0;
+    int line = 0;
+    std::string text;
+  };
+  std::map<std::size_t, Uneven> uneven;  // by their number of cells
+  std::size_t decimal_commas = 0;
+  char separator = ',';
   for (int number = 1; std::getline(stream, line); ++number) {
     if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     const std::string bare = trimmed(line);
@@ -125,26 +162,53 @@ std::optional<CsvFile> read_csv(const std::string& file, const base::Where& aske
       read_comment(bare, csv);
     } else if (csv.columns.empty()) {
       csv.header_line = number;
-      for (auto& name : split_cells(bare)) csv.columns.push_back(lower_case(name));
+      separator = separator_of(bare);
+      const Cells names = split_cells(bare, separator, kMostColumns);
+      if (names.count > kMostColumns) {
+        problems.add({file, number, 0, ""}, "more than 65 536 columns", std::to_string(names.count),
+                     "give a table of fewer; " + asked_by.text() + " names it");
+        return std::nullopt;
+      }
+      for (const std::string& name : names.text) csv.columns.push_back(lower_case(name));
     } else {
-      auto cells = split_cells(bare);
-      if (cells.size() != csv.columns.size()) {
-        problems.add({file, number, 0, ""}, "row has " + std::to_string(cells.size()) + " cells", bare.substr(0, 60),
-                     "the header on line " + std::to_string(csv.header_line) + " names " +
-                         std::to_string(csv.columns.size()) + " columns");
-        sound = false;
+      Cells cells = split_cells(bare, separator, csv.columns.size());
+      if (cells.count != csv.columns.size()) {
+        Uneven& rows = uneven[cells.count];
+        if (rows.count++ == 0) rows.line = number, rows.text = bare.substr(0, 60);
         continue;
       }
-      csv.rows.push_back(std::move(cells));
+      if (separator != ',')
+        for (std::string& cell : cells.text) decimal_commas += take_decimal_comma(cell);
+      csv.rows.push_back(std::move(cells.text));
       csv.row_lines.push_back(number);
     }
   }
-  if (csv.rows.empty() && sound) {
+  for (const auto& [count, rows] : uneven) {
+    const bool commas = separator == ',' && count > csv.columns.size() && count <= 2 * csv.columns.size();
+    problems.add({file, rows.line, 0, ""}, "row has " + std::to_string(count) + " cells",
+                 rows.text + (rows.count > 1 ? ", and " + std::to_string(rows.count - 1) + " more rows like it" : ""),
+                 "the header on line " + std::to_string(csv.header_line) + " names " +
+                     std::to_string(csv.columns.size()) + " columns" +
+                     (commas ? "; if these are decimal commas, write points, or separate columns by semicolons" : ""));
+  }
+  if (decimal_commas > 0)
+    problems.tell({file, 0, 0, ""}, std::to_string(decimal_commas) + " numbers with decimal commas read as such");
+  std::map<std::string, std::size_t> number_of;
+  for (std::size_t i = 0; i < csv.columns.size(); ++i) {
+    const auto [first, alone] = number_of.emplace(csv.columns[i], i);
+    if (alone || csv.columns[i].empty()) continue;
+    problems.add(
+        {file, csv.header_line, 0, ""}, "two columns have one name",
+        "'" + csv.columns[i] + "' is column " + std::to_string(first->second + 1) + " and " + std::to_string(i + 1),
+        "name each once");
+    return std::nullopt;
+  }
+  if (csv.rows.empty() && uneven.empty()) {
     problems.add({file, 0, 0, ""}, "file has no rows", std::to_string(text->size()) + " bytes",
                  "give a header line and at least one row; " + asked_by.text() + " names it");
     return std::nullopt;
   }
-  return sound ? std::optional(std::move(csv)) : std::nullopt;
+  return uneven.empty() ? std::optional(std::move(csv)) : std::nullopt;
 }
 
 }  // namespace raycube::scene

@@ -1,4 +1,5 @@
-// Comma-separated tables of numbers with a header line and `# key: value` comments.
+// Tables of numbers in text, apart by commas, with a header line and `# key: value` comments. A header without commas
+// may be apart by semicolons or tabs; then numbers may have decimal commas, which is told.
 #pragma once
 
 #include <map>
@@ -27,8 +28,9 @@ struct CsvFile {
   std::optional<double> number(std::size_t row, std::size_t column_index, base::Problems& problems) const;
 };
 
-/// Reads the file; nullopt after reporting one that is missing, empty, without rows, or whose rows differ in
-/// length. asked_by: the key that names the file.
+/// Reads the file; nullopt after reporting one that is missing, empty, without rows, of more than 65 536 columns, whose
+/// columns share a name, or whose rows differ in length (the first of each length, and how many more). asked_by: the
+/// key that names the file.
 std::optional<CsvFile> read_csv(const std::string& file, const base::Where& asked_by, base::Problems& problems);
 
 /// True when the file is there, readable and not empty; reports it otherwise.
@@ -42,5 +44,7 @@ std::optional<std::string> read_whole_file(const std::string& file, const base::
 std::optional<double> parse_number(std::string text);
 std::string trimmed(const std::string& text);
 std::string lower_case(std::string text);
+/// Whether a header or a unit says that values are in percent: "Reflectance (%)", "percent".
+bool says_percent(const std::string& text);
 
 }  // namespace raycube::scene

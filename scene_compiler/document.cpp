@@ -279,10 +279,10 @@ class DocumentReader {
       Record record;
       record.path = path;
       record.where = where_of(file, table.source());
-      const std::size_t before = problems_.lines().size();
+      const std::size_t before = problems_.count();
       read_table(table, file, path, record);
       if (gives(record, "sensor")) read_sensor(record);
-      record.sound = problems_.lines().size() == before;
+      record.sound = problems_.count() == before;
       value.records.push_back(std::move(record));
     };
     const auto* array = node.as_array();
@@ -319,9 +319,9 @@ class DocumentReader {
       record.where = where_of(file, node.source());
       value.records.push_back(std::move(record));
     }
-    const std::size_t before = problems_.lines().size();
+    const std::size_t before = problems_.count();
     read_table(*node.as_table(), file, sub_path(spec), value.records.front());
-    if (problems_.lines().size() != before) value.records.front().sound = false;
+    if (problems_.count() != before) value.records.front().sound = false;
   }
 
   void wrong_type(const KeySpec& spec, const toml::node& node, const File& file, const std::string& wanted) {
@@ -488,11 +488,11 @@ class DocumentReader {
 Record read_document(const std::string& file, base::Problems& problems, const std::vector<std::string>& overrides) {
   Record root;
   root.where = {file, 1, 1, ""};
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   Overrides values(overrides, problems);
   DocumentReader(problems, values).read_file(file, file, {}, root);
-  if (problems.lines().size() == before) values.report_unused(file, problems);
-  const bool parsed = problems.lines().size() == before || !root.values.empty();
+  if (problems.count() == before) values.report_unused(file, problems);
+  const bool parsed = problems.count() == before || !root.values.empty();
   fill_defaults(root, parsed ? &problems : nullptr);
   return root;
 }

@@ -7,6 +7,8 @@ namespace raycube::scene {
 
 /// Shortest text that reads back as the same double; "nan", "inf".
 std::string number_text(double value);
+/// Three figures, for what was computed.
+std::string short_text(double value);
 /// Reports NaN, infinity and values outside the table's range; true when sound.
 bool in_range(const KeySpec& spec, double value, const base::Where& where, base::Problems& problems);
 /// The table's default into value (given stays as it is).

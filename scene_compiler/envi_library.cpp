@@ -184,7 +184,7 @@ std::optional<EnviLibrary> read_envi_library(const std::string& file, const Wher
     problems.add({header_file, 1, 0, ""}, "not an ENVI header", header_text->substr(0, 20), "its first line is ENVI");
     return std::nullopt;
   }
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   HeaderReader header(header_file, parse_header(*header_text), problems);
   const auto samples = static_cast<std::size_t>(header.integer("samples", -1));
   const auto lines = static_cast<std::size_t>(header.integer("lines", -1));
@@ -197,7 +197,7 @@ std::optional<EnviLibrary> read_envi_library(const std::string& file, const Wher
                  "convert to 4 or 5");
   if (order > 1)
     problems.add(header.at("byte order"), "byte order is 0 or 1", std::to_string(order), "0 little, 1 big endian");
-  if (problems.lines().size() != before) return std::nullopt;
+  if (problems.count() != before) return std::nullopt;
   // Sizes come from a text file: compare by division so that no product can overflow.
   if (samples == 0 || lines == 0 || offset > data->size() || lines > (data->size() - offset) / type->bytes / samples) {
     problems.add({file, 0, 0, ""}, "data file is shorter than its header says",
@@ -221,7 +221,7 @@ std::optional<EnviLibrary> read_envi_library(const std::string& file, const Wher
     else
       problems.add(header.at("reflectance scale factor"), "not a positive number", factor->text, "give a number > 0");
   }
-  if (problems.lines().size() != before) return std::nullopt;
+  if (problems.count() != before) return std::nullopt;
   const bool swap = (order == 1) != (std::endian::native == std::endian::big);
   for (std::size_t line = 0; line < lines; ++line) {
     auto& spectrum = library.spectra.emplace_back(samples);

@@ -90,10 +90,10 @@ SpreadTable read_spread(const Record& record, Problems& problems) {
   const auto head = read_csv(record.text("spread"), record.place("spread"), problems);
   if (!head) return out;
   const base::Where where = record.place("spread");
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   if (!head->column("radius_px")) {
     const Columns table = read_columns(record, "spread", {"x_px", "y_px", "psf"}, {}, problems);
-    if (!table.csv || problems.lines().size() != before) return {};
+    if (!table.csv || problems.count() != before) return {};
     out.x_px = table.of.at("x_px"), out.y_px = table.of.at("y_px"), out.grid_value = table.of.at("psf");
     const std::vector<double> columns = distinct(out.x_px), rows = distinct(out.y_px);
     if (columns.size() < 2 || rows.size() < 2 || !even(columns) || !even(rows))
@@ -107,7 +107,7 @@ SpreadTable read_spread(const Record& record, Problems& problems) {
     return out;
   }
   const Columns table = read_columns(record, "spread", {"radius_px", "psf"}, {"wavelength_nm"}, problems);
-  if (!table.csv || problems.lines().size() != before) return {};
+  if (!table.csv || problems.count() != before) return {};
   const auto& radius = table.of.at("radius_px");
   const auto nm = table.of.find("wavelength_nm");
   const std::vector<double> at_nm = nm == table.of.end() ? std::vector<double>(radius.size(), 0.0) : nm->second;
@@ -132,14 +132,14 @@ SpreadTable read_spread(const Record& record, Problems& problems) {
 
 DistortionTable read_distortion(const Record& record, Problems& problems) {
   DistortionTable out;
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   const Columns table =
       read_columns(record, "distortion", {"wavelength_nm", "sample", "smile_nm", "keystone_px"}, {}, problems);
-  if (!table.csv || problems.lines().size() != before) return {};
+  if (!table.csv || problems.count() != before) return {};
   const auto &nm = table.of.at("wavelength_nm"), &sample = table.of.at("sample");
   out.smile_um = on_grid(nm, sample, table.of.at("smile_nm"), record.place("distortion"), problems);
   out.keystone_px = on_grid(nm, sample, table.of.at("keystone_px"), record.place("distortion"), problems);
-  if (problems.lines().size() != before) return {};
+  if (problems.count() != before) return {};
   const auto within = [&](const std::vector<std::vector<double>>& rows, double most, const char* column) {
     for (const auto& row : rows)
       for (const double v : row)
@@ -247,9 +247,9 @@ void read_focal_planes(const Record& instrument, Instrument& out, Problems& prob
     out.focal_planes.push_back(read_plane(record, pitch_um, problems));
     if (out.focal_planes.back().name.empty()) out.focal_planes.back().name = std::to_string(out.focal_planes.size());
   }
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   check_bands_seen(instrument, out, problems);
-  if (problems.lines().size() == before) check_smile(instrument, out, problems);
+  if (problems.count() == before) check_smile(instrument, out, problems);
   const auto refuse = [&](bool given, const char* key, const char* why) {
     if (given) problems.add(instrument.place(key), std::string("'") + key + "' " + why, "", "remove it");
   };

@@ -57,10 +57,10 @@ std::optional<RefractiveIndex> read_index(const std::string& file, const base::W
   const auto csv = read_csv(file, asked_by, problems);
   const auto columns = csv ? columns_of(*csv, problems) : std::nullopt;
   if (!columns) return std::nullopt;
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   RefractiveIndex out;
   double last_um = 0;
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + kMostReports; ++row) {
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + kMostReports; ++row) {
     const auto wavelength = csv->number(row, columns->wavelength, problems), n = csv->number(row, columns->n, problems);
     const auto k = columns->k ? csv->number(row, *columns->k, problems) : std::optional(0.0);
     if (!wavelength || !n || !k) continue;
@@ -70,7 +70,7 @@ std::optional<RefractiveIndex> read_index(const std::string& file, const base::W
     for (auto* curve : {&out.n, &out.k}) curve->wavelength_um.push_back(um);
     out.n.value.push_back(*n), out.k.value.push_back(*k);
   }
-  if (problems.lines().size() > before) return std::nullopt;
+  if (problems.count() > before) return std::nullopt;
   if (out.n.wavelength_um.size() >= 2) return out;
   problems.add({csv->file, 0, 0, ""}, "a refractive index needs two wavelengths at least",
                std::to_string(out.n.wavelength_um.size()), "add lines");

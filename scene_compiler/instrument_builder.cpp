@@ -38,15 +38,15 @@ std::vector<Pose> read_poses(const Record& record, Problems& problems) {
       sound = false;
     }
   std::vector<Pose> poses;
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; sound && row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; sound && row < csv->rows.size() && problems.count() < before + 20; ++row) {
     std::array<double, 6> v{
         0, 0, 0, record.number("roll_deg"), record.number("pitch_deg"), record.number("heading_deg")};
     for (std::size_t i = 0; i < 6; ++i)
       if (columns[i]) v[i] = csv->number(row, *columns[i], problems).value_or(0);
     poses.push_back({v[0], v[1], v[2], v[3], v[4], v[5]});
   }
-  return problems.lines().size() == before ? poses : std::vector<Pose>{};
+  return problems.count() == before ? poses : std::vector<Pose>{};
 }
 
 std::vector<Band> read_bands(const Record& record, Problems& problems) {
@@ -217,9 +217,9 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
   }
   Pose middle{0, 0, 0, record.number("roll_deg"), record.number("pitch_deg"), record.number("heading_deg")};
   std::vector<Pose> given;
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   const std::optional<Aim> aim = read_aim(record, problems);
-  if (problems.lines().size() > before) return;
+  if (problems.count() > before) return;
   if (aim && aim->places()) {
     out.nominal_agl_m = record.number("altitude_agl_m");
     aim->place(out.nominal_agl_m, middle);

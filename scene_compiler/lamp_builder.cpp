@@ -47,8 +47,8 @@ std::vector<std::array<double, 3>> listed_places(const Record& record, const Sce
                  csv->columns_text(), "name them so");
     return out;
   }
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + 20; ++row) {
     const auto px = csv->number(row, *x, problems), py = csv->number(row, *y, problems),
                pz = csv->number(row, *z, problems);
     if (!px || !py || !pz) continue;
@@ -86,8 +86,8 @@ LampSpectrum read_lamp_spectrum(const Record& record, Problems& problems) {
     return out;
   }
   const double unit_um = *wavelength_unit_um(csv->columns[*wavelength]);
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + 20; ++row) {
     const auto x = csv->number(row, *wavelength, problems), y = csv->number(row, 1 - *wavelength, problems);
     if (!x || !y) continue;
     if (!out.wavelength_um.empty() && !(*x * unit_um > out.wavelength_um.back()))
@@ -102,7 +102,7 @@ LampSpectrum read_lamp_spectrum(const Record& record, Problems& problems) {
   double integral = 0;
   for (std::size_t i = 1; i < out.per_um.size(); ++i)
     integral += 0.5 * (out.per_um[i] + out.per_um[i - 1]) * (out.wavelength_um[i] - out.wavelength_um[i - 1]);
-  if (problems.lines().size() == before && !(integral > 0))
+  if (problems.count() == before && !(integral > 0))
     problems.add({csv->file, 0, 0, ""}, "the spectrum holds no light",
                  std::to_string(out.per_um.size()) + " wavelengths", "give two at least, and some flux");
   for (double& value : out.per_um) value /= integral > 0 ? integral : 1;
@@ -173,7 +173,7 @@ Lamp read_lamp(const Record& record, const SceneParts& parts, Problems& problems
   if (one_of(record, "position_m", "positions", problems))
     out.position_m = record.given("positions") ? listed_places(record, parts, problems)
                                                : std::vector{position_of(record, parts, problems)};
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   if (one_of(record, "spectrum", "temperature_K", problems)) {
     if (record.given("temperature_K"))
       out.spectrum.temperature_K = record.number("temperature_K");
@@ -187,7 +187,7 @@ Lamp read_lamp(const Record& record, const SceneParts& parts, Problems& problems
     problems.add(record.place("flux_lm"), "'power_W' and 'flux_lm' exclude each other", "both", "remove one");
   if (!power && !flux && !record.given("ies"))
     problems.add(record.where, "nothing says how much light the lamp sends", "", "give power_W or flux_lm");
-  if (problems.lines().size() != before) return out;
+  if (problems.count() != before) return out;
   if (power) {
     out.flux_W = record.number("power_W");
     return out;
@@ -216,9 +216,9 @@ std::vector<Lamp> read_lamps(const Record& root, const SceneParts& parts, Proble
     if (parts.cell_m && out.empty())
       problems.add(record.where, "lamps do not repeat with a scene", "scene.periodic", "remove it, or the lamps");
     if (!record.sound) continue;
-    const std::size_t before = problems.lines().size();
+    const std::size_t before = problems.count();
     out.push_back(read_lamp(record, parts, problems));
-    if (problems.lines().size() != before) continue;
+    if (problems.count() != before) continue;
     lamps += out.back().position_m.size();
     if (std::find(spectra.begin(), spectra.end(), out.back().spectrum) != spectra.end()) continue;
     spectra.push_back(out.back().spectrum);

@@ -54,8 +54,8 @@ void note_blur_of_array(const Record& record, const Lidar& lidar, const LidarRep
     report.notice(record.table("receiver")->where,
                   "pixels of an array take points as sharp, but at the gate's " +
                       std::string(at_near ? "start" : "end") + " the pupil blurs them by a radius of " +
-                      number_text(worst * 1e3) + " mrad, above a third of a pixel of " +
-                      number_text(receiver.pixel_pitch_rad * 1e3) + " mrad: light of neighbours is not mixed there");
+                      short_text(worst * 1e3) + " mrad, above a third of a pixel of " +
+                      short_text(receiver.pixel_pitch_rad * 1e3) + " mrad: light of neighbours is not mixed there");
 }
 
 /// Checks over several tables; they hold only when each table was sound.
@@ -102,7 +102,7 @@ Lidar read_lidar(const Record& record, const SceneParts& parts, const PlacedBox&
                  const LidarReport& report) {
   Lidar out;
   out.name = record.text("name");
-  const std::size_t before = report.problems.lines().size();
+  const std::size_t before = report.problems.count();
   const auto sound = [&](const char* key) {
     const Record* table = record.table(key);
     return table != nullptr && table->sound ? table : nullptr;
@@ -119,7 +119,7 @@ Lidar read_lidar(const Record& record, const SceneParts& parts, const PlacedBox&
   if (const auto* table = sound("echoes")) detail::read_echoes(*table, out, report);
   detail::read_outputs(sound("speckle"), sound("products"), out, report);
   detail::read_platform(record, parts, out, report);
-  if (record.sound && report.problems.lines().size() == before) {
+  if (record.sound && report.problems.count() == before) {
     check_together(record, out, report);
     detail::check_before_first_pulse(record, parts, box, out, report);
   }

@@ -21,7 +21,7 @@ std::vector<LidarPose> read_trajectory(const Record& lidar, const LidarReport& r
                                                      "roll_deg", "pitch_deg", "heading_deg"};
   std::array<std::optional<std::size_t>, 7> columns;
   for (std::size_t i = 0; i < kNames.size(); ++i) columns[i] = csv->column(kNames[i]);
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   if (!columns[0] || !columns[1] || !columns[2] || !columns[3])
     problems.add({csv->file, csv->header_line, 0, ""}, "columns time_s, x_m, y_m and z_m are needed",
                  csv->columns_text(), "name them; roll_deg, pitch_deg and heading_deg are optional");
@@ -30,7 +30,7 @@ std::vector<LidarPose> read_trajectory(const Record& lidar, const LidarReport& r
       problems.add({csv->file, csv->header_line, 0, ""}, "unknown column", "'" + name + "'",
                    "columns: time_s, x_m, y_m, z_m, roll_deg, pitch_deg, heading_deg");
   std::vector<LidarPose> poses;
-  for (std::size_t row = 0; problems.lines().size() == before && row < csv->rows.size(); ++row) {
+  for (std::size_t row = 0; problems.count() == before && row < csv->rows.size(); ++row) {
     std::array<double, 7> v{
         0, 0, 0, 0, lidar.number("roll_deg"), lidar.number("pitch_deg"), lidar.number("heading_deg")};
     for (std::size_t i = 0; i < v.size(); ++i)
@@ -40,7 +40,7 @@ std::vector<LidarPose> read_trajectory(const Record& lidar, const LidarReport& r
                    number_text(v[0]) + " s after " + number_text(poses.back().time_s) + " s", "sort the rows");
     poses.push_back({v[0], v[1], v[2], v[3], v[4], v[5], v[6]});
   }
-  return problems.lines().size() == before ? poses : std::vector<LidarPose>{};
+  return problems.count() == before ? poses : std::vector<LidarPose>{};
 }
 
 /// Pulses asked for; 0 after reporting.

@@ -112,8 +112,8 @@ void read_tabulated(const Record& pulse, LidarPulse& out, const LidarReport& rep
     return;
   }
   std::vector<double> t_s, p;
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + 20; ++row) {
     const auto t = csv->number(row, *time, problems), value = csv->number(row, *power, problems);
     if (!t || !value) continue;
     if (*value < 0)
@@ -123,7 +123,7 @@ void read_tabulated(const Record& pulse, LidarPulse& out, const LidarReport& rep
       problems.add(csv->at(row, *time), "times must ascend", number_text(*t) + " ns", "sort the rows");
     t_s.push_back(*t * 1e-9), p.push_back(*value);
   }
-  if (problems.lines().size() != before) return;
+  if (problems.count() != before) return;
   const auto [area, first] = moments(t_s, p);
   if (!(area > 0)) {
     problems.add({csv->file, 0, 0, ""}, "a pulse's shape needs two rows and power above 0",

@@ -338,9 +338,9 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     std::optional<Relief> relief;
     if (record.sound) relief = read_relief(record, problems);
     if (members.empty()) members.emplace_back();  // of its name, so that what names it is not reported again
-    const std::size_t before = problems.lines().size();
+    const std::size_t before = problems.count();
     for (Material& material : members) {
-      if (problems.lines().size() > before) break;  // once for all of a family
+      if (problems.count() > before) break;  // once for all of a family
       if (record.given("reflectance_beyond") && !material.reflectance.value.empty()) {
         extend(material.reflectance, record.number("reflectance_beyond"));
         extend(material.transmittance, 0);

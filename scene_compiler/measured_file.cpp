@@ -53,7 +53,7 @@ double wavelength_named(const std::string& column) {
 
 std::optional<FactorColumns> factor_columns(const CsvFile& csv, base::Problems& problems) {
   const base::Where header{csv.file, csv.header_line, 0, ""};
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   FactorColumns out{};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto found = csv.column(kAngles[i]);
@@ -61,8 +61,6 @@ std::optional<FactorColumns> factor_columns(const CsvFile& csv, base::Problems& 
       problems.add(header, std::string("no column '") + kAngles[i] + "'", csv.columns_text(),
                    "name the zenith angles of light and viewer, and the azimuth between them (0: on one side)");
     out.angle[i] = found.value_or(0);
-    if (std::count(csv.columns.begin(), csv.columns.end(), kAngles[i]) > 1)
-      problems.add(header, std::string("two columns '") + kAngles[i] + "'", csv.columns_text(), "remove one");
   }
   for (std::size_t i = 0; i < csv.columns.size(); ++i) {
     if (std::find(std::begin(kAngles), std::end(kAngles), csv.columns[i]) != std::end(kAngles)) continue;
@@ -83,7 +81,7 @@ std::optional<FactorColumns> factor_columns(const CsvFile& csv, base::Problems& 
     problems.add(header, "a wavelength stands in two columns", csv.columns_text(), "remove one");
   else if (out.values.size() > 1 && out.values.front().wavelength_um == 0)
     problems.add(header, "'factor' and factors by wavelength", csv.columns_text(), "remove one kind");
-  if (problems.lines().size() > before) return std::nullopt;
+  if (problems.count() > before) return std::nullopt;
   return out;
 }
 
@@ -100,8 +98,8 @@ Angle folded(Angle turn) { return std::min(turn, angle_of(360) - turn); }
 std::vector<FactorLine> factor_lines(const CsvFile& csv, const FactorColumns& columns, base::Problems& problems) {
   std::vector<FactorLine> out;
   std::set<std::array<Angle, 3>> known;
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv.rows.size() && problems.lines().size() < before + kMostLinesReported; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv.rows.size() && problems.count() < before + kMostLinesReported; ++row) {
     const base::Where where{csv.file, csv.row_lines[row], 0, ""};
     std::array<double, 3> degrees{};
     FactorLine line;
@@ -237,9 +235,9 @@ std::optional<MeasuredTables> read_measured(const std::string& file, const base:
   const auto csv = read_csv(file, asked_by, problems);
   const auto columns = csv ? factor_columns(*csv, problems) : std::nullopt;
   if (!columns) return std::nullopt;
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   const std::vector<FactorLine> lines = factor_lines(*csv, *columns, problems);
-  if (problems.lines().size() > before) return std::nullopt;
+  if (problems.count() > before) return std::nullopt;
   FactorGrid grid(lines);
   if (grid.size() > kMostValues) {
     problems.add({csv->file, 0, 0, ""}, "more than 1e6 combinations of angles", std::to_string(grid.size()),

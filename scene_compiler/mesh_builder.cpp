@@ -82,8 +82,10 @@ void add_mesh(const Record& record, bool strict, MaterialTable& materials, Scene
                  "give one of them");
     return;
   }
-  auto file = read_mesh_file(record.text("file"), record.number("unit_m"), record.text("up") == "y", strict,
-                             record.place("file"), problems);
+  MeshRequest request{std::nullopt, std::nullopt, strict};
+  if (record.given("up")) request.up = record.text("up")[0];
+  if (record.given("unit_m")) request.unit_m = record.number("unit_m");
+  auto file = read_mesh_file(record.text("file"), request, record.place("file"), problems);
   if (!file) return;
   assign_materials(record, materials, *file, problems);
   if (problems.empty()) lay_images(record, materials, *file, parts.notices, problems);
@@ -91,7 +93,7 @@ void add_mesh(const Record& record, bool strict, MaterialTable& materials, Scene
     parts.notices.push_back(record.text("file") + ": dropped " + std::to_string(file->dropped_faces) + " of " +
                             std::to_string(file->faces) + " faces without area (first: " + file->first_dropped + ")");
   index[name] = static_cast<std::int64_t>(parts.meshes.size());
-  parts.meshes.push_back({name, std::move(file->mesh)});
+  parts.meshes.push_back({name, std::move(file->mesh), file->centre_m});
 }
 
 /// Index of a mesh, or -1 after reporting (or because its own entry was reported).
@@ -107,6 +109,15 @@ std::int64_t find_mesh(const Record& record, const MeshIndex& index, Problems& p
 
 double determinant(const std::array<double, 12>& m) {
   return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
+/// Adds a mesh where a matrix puts it; below 0: it was reported. The mesh's vertices count from its centre.
+void place(std::int64_t mesh, std::array<double, 12> matrix, SceneParts& parts) {
+  if (mesh < 0) return;
+  const auto& c = parts.meshes[static_cast<std::size_t>(mesh)].centre_m;
+  for (std::size_t row = 0; row < 12; row += 4)
+    matrix[row + 3] += matrix[row] * c[0] + matrix[row + 1] * c[1] + matrix[row + 2] * c[2];
+  parts.placed.push_back({static_cast<std::uint32_t>(mesh), matrix});
 }
 
 void add_instance(const Record& record, const MeshIndex& index, SceneParts& parts, Problems& problems) {
@@ -145,7 +156,7 @@ void add_instance(const Record& record, const MeshIndex& index, SceneParts& part
                    "move it, or set on_terrain = false");
     matrix[11] += z.value_or(0);
   }
-  if (mesh >= 0) parts.placed.push_back({static_cast<std::uint32_t>(mesh), matrix});
+  place(mesh, matrix, parts);
 }
 
 /// Drops a point on the terrain when asked to; false after reporting a place off the terrain.
@@ -177,8 +188,8 @@ void scatter_listed(const Record& record, std::int64_t mesh, SceneParts& parts, 
                    "columns: x_m, y_m, z_m, yaw_deg, scale");
       sound = false;
     }
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; sound && row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; sound && row < csv->rows.size() && problems.count() < before + 20; ++row) {
     const auto cell = [&](const std::optional<std::size_t>& column, double fallback) {
       return column ? csv->number(row, *column, problems) : std::optional(fallback);
     };
@@ -189,8 +200,8 @@ void scatter_listed(const Record& record, std::int64_t mesh, SceneParts& parts, 
       continue;
     }
     std::array<double, 3> p{*px, *py, *pz};
-    if (drop(record, parts, {csv->file, csv->row_lines[row], 0, ""}, p, problems) && mesh >= 0)
-      parts.placed.push_back({static_cast<std::uint32_t>(mesh), placement(p, *turn, *size)});
+    if (drop(record, parts, {csv->file, csv->row_lines[row], 0, ""}, p, problems))
+      place(mesh, placement(p, *turn, *size), parts);
   }
 }
 
@@ -271,20 +282,19 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
   const auto seed = static_cast<std::uint64_t>(record.integer("seed"));
   const auto& yaw = record.numbers("yaw_range_deg");
   const auto& scale = record.numbers("scale_range");
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   // A fixed number of candidates over the rectangle, thinned by the region: the density is right on average
   // and the draw of one candidate never depends on another's.
-  for (std::uint64_t i = 0;
-       i < static_cast<std::uint64_t>(std::llround(expected)) && problems.lines().size() < before + 20; ++i) {
+  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(std::llround(expected)) && problems.count() < before + 20;
+       ++i) {
     const auto draw = [&](double low, double high, std::uint64_t dimension) {
       return low + (high - low) * counter_uniform(seed, stream, i, dimension);
     };
     std::array<double, 3> p{draw(b[0], b[2], 0), draw(b[1], b[3], 1), 0};
     if (record.given("polygon_m") && !inside(record.value("polygon_m").points, p[0], p[1])) continue;
     if (record.given("class") && !in_class(parts, p[0], p[1], record.integer("class"))) continue;
-    if (drop(record, parts, record.where, p, problems) && mesh >= 0)
-      parts.placed.push_back(
-          {static_cast<std::uint32_t>(mesh), placement(p, draw(yaw[0], yaw[1], 2), draw(scale[0], scale[1], 3))});
+    if (drop(record, parts, record.where, p, problems))
+      place(mesh, placement(p, draw(yaw[0], yaw[1], 2), draw(scale[0], scale[1], 3)), parts);
   }
 }
 
@@ -297,7 +307,7 @@ void add_scatter(const Record& record, std::uint64_t stream, const MeshIndex& in
                  listed ? "both" : "neither", "remove or add one");
     return;
   }
-  const std::size_t placed = parts.placed.size(), before = problems.lines().size();
+  const std::size_t placed = parts.placed.size(), before = problems.count();
   if (listed) {
     for (const char* key : {"rectangle_m", "polygon_m", "class", "yaw_range_deg", "scale_range", "seed"})
       if (record.given(key))
@@ -306,7 +316,7 @@ void add_scatter(const Record& record, std::uint64_t stream, const MeshIndex& in
   } else {
     scatter_drawn(record, mesh, stream, parts, problems);
   }
-  if (mesh >= 0 && parts.placed.size() == placed && problems.lines().size() == before)
+  if (mesh >= 0 && parts.placed.size() == placed && problems.count() == before)
     parts.notices.push_back(record.where.text() + ": scatter of '" + record.text("mesh") + "' placed nothing");
 }
 

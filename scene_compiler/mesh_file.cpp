@@ -8,37 +8,49 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <limits>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
+#include "host/base/json_text.h"
 #include "host/base/limited_child.h"
+#include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
+#include "scene_compiler/ply_file.h"
 #include "scene_compiler/polygon.h"
 
 namespace raycube::scene {
 namespace {
 
+using base::counted;
 using base::Problems;
 using base::Where;
 
 constexpr std::size_t kMaxReports = 20;
+/// Numbers farther from zero than this are counted from the mesh's middle: a float of them steps by a millimetre.
+constexpr double kFar_m = 1e4;
 // What reading may take. Assimp needs about 1 us and 10 to 60 bytes for each byte of OBJ or PLY text; formats
 // that compress more.
 constexpr double kBase_s = 60, kPerByte_s = 20e-6;
 constexpr std::uint64_t kBase_bytes = 2ull << 30, kPerByte_bytes = 200;
 
-/// Faces of one material and one group as Assimp has them, its node's transform applied.
+/// Faces of one material and one group, its node's transform applied; of Assimp in single precision.
+template <class Real>
 struct Part {
   MeshPart names;
-  std::vector<std::array<float, 3>> vertices;
+  std::vector<std::array<Real, 3>> vertices;
   std::vector<std::array<float, 2>> in_image;
   std::vector<std::uint32_t> face_corners, corners;
 };
 
-std::string vertex_text(const std::array<float, 3>& v) {
+template <class Real>
+std::string vertex_text(const std::array<Real, 3>& v) {
   return "(" + number_text(v[0]) + ", " + number_text(v[1]) + ", " + number_text(v[2]) + ")";
 }
 
@@ -86,33 +98,128 @@ void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pare
   for (unsigned i = 0; i < node.mNumChildren; ++i) send_node(scene, *node.mChildren[i], file_from_node, parcel);
 }
 
+/// What the file's own numbers are, by its ending and what Assimp 5.2.5 says of it.
+MeshFrame declared_frame(const aiScene& scene, const std::string& ending) {
+  if (ending == ".gltf" || ending == ".glb") return {'y', 1.0};
+  if (ending == ".3ds" || ending == ".dxf" || ending == ".ase") return {'z', std::nullopt};
+  if (ending == ".x3d" || ending == ".wrl") return {'y', 1.0};
+  if (ending == ".dae") return {'z', 1.0};  // declared; Assimp has made metres of it, and turned it (below)
+  MeshFrame out;
+  int axis = 0;
+  double centimetres = 0;
+  if (ending == ".fbx" && scene.mMetaData && scene.mMetaData->Get("UpAxis", axis) && axis >= 0 && axis <= 2)
+    out.up = "xyz"[axis];
+  if (ending == ".fbx" && scene.mMetaData && scene.mMetaData->Get("UnitScaleFactor", centimetres) && centimetres > 0)
+    out.unit_m = 0.01 * centimetres;
+  return out;
+}
+
+/// Formats that Assimp turns to be y up, whatever they are.
+bool assimp_turns(const std::string& ending) {
+  return ending == ".dae" || ending == ".3ds" || ending == ".dxf" || ending == ".ase";
+}
+
+bool is_obj(const std::string& file) { return lower_case(std::filesystem::path(file).extension().string()) == ".obj"; }
+
 /// In the child: Assimp's word on the file (empty: it was read), then its meshes, each after a true, then a
 /// false.
-void read_by_assimp(const std::string& file, const std::string& text, base::Parcel& parcel) {
+void read_by_assimp(const std::string& file, const std::string& text,
+                    const std::optional<std::array<double, 3>>& centre, base::Parcel& parcel) {
   Assimp::Importer importer;
   // Polygons stay whole here so that face numbers are the file's; normals and colours are not used.
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                                           aiComponent_COLORS | aiComponent_BONEWEIGHTS |
                                                           aiComponent_ANIMATIONS | aiComponent_TEXTURES |
                                                           aiComponent_LIGHTS | aiComponent_CAMERAS);
-  const auto other = ply_for_assimp(text);
+  const bool obj = is_obj(file);
+  const auto other = obj ? obj_for_assimp(text, centre.value_or(std::array<double, 3>{})) : std::nullopt;
   const aiScene* scene =
-      other ? importer.ReadFileFromMemory(other->data(), other->size(), aiProcess_RemoveComponent, "ply")
+      other ? importer.ReadFileFromMemory(other->data(), other->size(), aiProcess_RemoveComponent, "obj")
             : importer.ReadFile(file, aiProcess_RemoveComponent);
   const bool read = scene != nullptr && scene->mRootNode != nullptr;
   const std::string said = importer.GetErrorString();
   parcel.text(read ? "" : said.empty() ? "no message" : said);
   if (!read) return;
+  const MeshFrame declared = declared_frame(*scene, lower_case(std::filesystem::path(file).extension().string()));
+  parcel.value(declared.up.value_or('\0')), parcel.value(declared.unit_m.value_or(0));
   send_node(*scene, *scene->mRootNode, aiMatrix4x4(), parcel);
   parcel.value(false);
 }
 
+/// The JSON of a glTF: its text, or the first chunk of the binary form.
+std::string gltf_json(const std::string& text) {
+  if (!text.starts_with("glTF")) return text;
+  constexpr std::size_t kHead = 20;  // magic, version, length; the chunk's length and type (glTF 2.0, 4.4)
+  std::uint32_t bytes = 0;
+  if (text.size() < kHead) return "";
+  std::memcpy(&bytes, text.data() + 12, sizeof bytes);
+  return text.substr(kHead, bytes);
+}
+
+/// Extensions that a glTF needs or uses and that would change its surfaces. What materials, lights and pictures gain by
+/// others is none of a mesh's business here.
+void check_extensions(const std::string& text, const std::string& file, Problems& problems) {
+  const auto json = nlohmann::json::parse(base::shallow_json(gltf_json(text)), nullptr, false);
+  if (!json.is_object()) return;  // Assimp says what is wrong
+  const auto harmless = [](const std::string& name) {
+    for (const char* part : {"_materials_", "_texture_", "_lights_", "_xmp", "_audio"})
+      if (name.find(part) != std::string::npos) return true;
+    return name.starts_with("MSFT_texture");
+  };
+  const auto listed = [&](const char* key) {
+    std::vector<std::string> out;
+    if (json.contains(key) && json[key].is_array())
+      for (const auto& name : json[key])
+        if (name.is_string() && !harmless(name.get<std::string>())) out.push_back(name.get<std::string>());
+    return out;
+  };
+  const std::vector<std::string> required = listed("extensionsRequired");
+  for (const std::string& name : required)
+    problems.add({file, 0, 0, "extensionsRequired"}, "the file needs an extension that is not understood",
+                 "'" + name + "'", "write it without, for instance by gltf-transform or Blender");
+  if (required.empty())
+    for (const std::string& name : listed("extensionsUsed"))
+      problems.tell({file, 0, 0, "extensionsUsed"},
+                    "the extension '" + name + "' is not read; its geometry is left out");
+}
+
 class Importer {
  public:
-  Importer(std::string file, double unit_m, bool y_up, bool strict, Problems& problems)
-      : file_(std::move(file)), unit_m_(unit_m), y_up_(y_up), strict_(strict), problems_(problems) {}
+  Importer(std::string file, const MeshRequest& request, const Where& asked_by, Problems& problems)
+      : file_(std::move(file)), request_(request), asked_by_(asked_by), problems_(problems) {
+    set_frame({}, false);
+  }
 
-  void add_mesh(const Part& mesh) {
+  /// Before the first mesh. `turned`: its numbers have come y up, whatever the file says.
+  void set_frame(const MeshFrame& declared, bool turned) {
+    out.declared = declared;
+    out.up = declared.up.value_or(request_.up.value_or('z'));
+    out.unit_m = declared.unit_m.value_or(request_.unit_m.value_or(1));
+    up_ = turned ? 'y' : out.up;
+    if (request_.up && *request_.up != out.up)
+      problems_.tell(asked_by_,
+                     file_ + " is " + out.up + " up by its format or its own word; the scene's 'up' is not used");
+    if (request_.unit_m && std::abs(*request_.unit_m - out.unit_m) > 1e-9 * out.unit_m)
+      problems_.tell(asked_by_, file_ + " is in units of " + number_text(out.unit_m) +
+                                    " m by its format or its own word; the scene's 'unit_m' is not used");
+  }
+
+  /// Before the first mesh: numbers of the file count from here.
+  void set_centre(const std::array<double, 3>& of_file) { centre_ = of_file, out.centre_m = in_metres({0, 0, 0}); }
+
+  /// Of a reader that keeps single precision.
+  void tell_of_rounding() {
+    float most = 0;
+    for (const auto& v : out.mesh.vertices)
+      for (const float value : v) most = std::max(most, std::abs(value));
+    if (most > kFar_m)
+      problems_.tell({file_, 0, 0, ""}, "vertices lie up to " + short_text(double(most)) +
+                                            " m from the file's zero and are rounded to " +
+                                            short_text(double(most) * 6e-8) + " m; move it to an origin of its own");
+  }
+
+  template <class Real>
+  void add_mesh(const Part<Real>& mesh) {
     const auto part = static_cast<std::uint32_t>(out.parts.size());
     out.parts.push_back(mesh.names);
     const auto first = static_cast<std::uint32_t>(out.mesh.vertices.size());
@@ -120,11 +227,9 @@ class Importer {
       const auto& v = mesh.vertices[i];
       if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
         report("vertex " + std::to_string(first + i), "vertex is not finite", vertex_text(v), "correct the file");
-      const double x = v[0] * unit_m_, y = v[1] * unit_m_, z = v[2] * unit_m_;
-      if (y_up_)
-        out.mesh.vertices.push_back({float(x), float(-z), float(y)});
-      else
-        out.mesh.vertices.push_back({float(x), float(y), float(z)});
+      const auto at = in_metres({double(v[0]), double(v[1]), double(v[2])});
+      out.mesh.vertices.push_back(
+          {float(at[0] - out.centre_m[0]), float(at[1] - out.centre_m[1]), float(at[2] - out.centre_m[2])});
     }
     out.in_image.insert(out.in_image.end(), mesh.in_image.begin(), mesh.in_image.end());
     const std::uint32_t* corner = mesh.corners.data();
@@ -137,6 +242,15 @@ class Importer {
   MeshFile out;
 
  private:
+  /// Of numbers that come.
+  std::array<double, 3> in_metres(const std::array<double, 3>& v) const {
+    double x = (v[0] + centre_[0]) * out.unit_m, y = (v[1] + centre_[1]) * out.unit_m,
+           z = (v[2] + centre_[2]) * out.unit_m;
+    if (up_ == 'x') std::swap(x, y), x = -x;
+    if (up_ != 'z') std::swap(y, z), y = -y;
+    return {x, y, z};
+  }
+
   void report(const std::string& element, const std::string& what, const std::string& found,
               const std::string& way_out) {
     if (++reports_ <= kMaxReports) problems_.add({file_, 0, 0, element}, what, found, way_out);
@@ -152,7 +266,10 @@ class Importer {
                std::to_string(corner[k]) + " of " + std::to_string(vertex_count) + " vertices", "correct the file");
         return;
       }
-    if (corner_count < 3) return;  // points and lines have no surface
+    if (corner_count < 3) {
+      ++out.no_surfaces;
+      return;
+    }
     corners_.clear();
     for (std::uint32_t k = 0; k < corner_count; ++k) {
       const auto& v = out.mesh.vertices[first + corner[k]];
@@ -170,19 +287,38 @@ class Importer {
       kept = true;
     }
     if (kept) return;
-    if (strict_)
+    if (request_.strict)
       report(element, "face has no area", std::to_string(corner_count) + " corners",
              "remove it, or set scene.strict = false to drop such faces");
     if (out.dropped_faces++ == 0) out.first_dropped = element;
   }
 
   std::string file_;
-  double unit_m_;
-  bool y_up_, strict_;
+  MeshRequest request_;
+  Where asked_by_;
   Problems& problems_;
+  char up_ = 'z';  ///< of the numbers that come
+  std::array<double, 3> centre_{};
   std::size_t reports_ = 0;
   std::vector<std::array<double, 3>> corners_;
 };
+
+/// The whole number in the middle of vertices that lie far from zero.
+std::optional<std::array<double, 3>> far_centre(const std::vector<std::array<double, 3>>& vertices, double unit_m) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+  for (const auto& v : vertices)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      low[axis] = std::min(low[axis], v[axis]), high[axis] = std::max(high[axis], v[axis]);
+  std::array<double, 3> out{};
+  bool far = false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out[axis] = std::round(0.5 * (low[axis] + high[axis]));
+    if (!std::isfinite(out[axis])) return std::nullopt;
+    far = far || std::max(std::abs(low[axis]), std::abs(high[axis])) * unit_m > kFar_m;
+  }
+  return far ? std::optional(out) : std::nullopt;
+}
 
 /// The words of a text.
 std::vector<std::string> words_of(const std::string& text) {
@@ -198,6 +334,39 @@ MeshPart read_names(base::Unpacked& read, bool obj) {
   if (obj) out.others = words_of(out.group);
   for (std::uint64_t i = 0; i < nodes; ++i) out.others.push_back(read.text());
   return out;
+}
+
+/// Damaged files hang, crash or bloat Assimp (5.2.5). Whole ones take microseconds a byte.
+bool add_by_assimp(Importer& reader, const std::string& file, const std::string& text, bool obj, const Where& asked_by,
+                   Problems& problems) {
+  // Of an OBJ, whose unit is the scene's: numbers far from zero are moved in its text, before they become floats.
+  const auto centre = obj ? far_centre(obj_vertices(text), reader.out.unit_m) : std::nullopt;
+  base::ChildLimits limits;
+  limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(text.size());
+  limits.memory_bytes = kBase_bytes + kPerByte_bytes * text.size();
+  base::Unpacked read =
+      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, text, centre, parcel); });
+  const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
+  if (!said.empty()) {
+    problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,
+                 "correct or convert the file; " + asked_by.text() + " names it");
+    return false;
+  }
+  MeshFrame declared;
+  if (const char up = read.value<char>(); up != '\0') declared.up = up;
+  if (const double unit_m = read.value<double>(); unit_m > 0) declared.unit_m = unit_m;
+  reader.set_frame(declared, assimp_turns(lower_case(std::filesystem::path(file).extension().string())));
+  if (centre) reader.set_centre(*centre);
+  while (read.value<bool>()) {
+    Part<float> part;
+    part.names = read_names(read, obj);
+    part.vertices = read.list<std::array<float, 3>>();
+    part.in_image = read.list<std::array<float, 2>>();
+    part.face_corners = read.list<std::uint32_t>(), part.corners = read.list<std::uint32_t>();
+    reader.add_mesh(part);
+  }
+  if (!centre) reader.tell_of_rounding();
+  return true;
 }
 
 }  // namespace
@@ -222,42 +391,41 @@ bool zero_area(const std::array<float, 3>& a, const std::array<float, 3>& b, con
   return !(nx * nx + ny * ny + nz * nz > 4e-24 * longest2 * longest2);
 }
 
-std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, bool y_up, bool strict,
-                                       const Where& asked_by, Problems& problems) {
-  const std::size_t before = problems.lines().size();
+std::optional<MeshFile> read_mesh_file(const std::string& file, const MeshRequest& request, const Where& asked_by,
+                                       Problems& problems) {
+  const std::size_t before = problems.count();
   const auto text = read_whole_file(file, asked_by, problems);
   if (!text) return std::nullopt;
-  const bool obj = lower_case(std::filesystem::path(file).extension().string()) == ".obj";
-  if (obj) check_obj_text(*text, file, problems);
-  if (text->starts_with("ply")) check_ply_header(*text, file, problems);
-  if (problems.lines().size() != before) return std::nullopt;
-
-  // Damaged files hang, crash or bloat Assimp (5.2.5: a PLY header cut in a word). Whole ones take
-  // microseconds a byte.
-  const double bytes = static_cast<double>(text->size());
-  base::ChildLimits limits;
-  limits.cpu_s = kBase_s + kPerByte_s * bytes;
-  limits.memory_bytes = kBase_bytes + kPerByte_bytes * text->size();
-  base::Unpacked read =
-      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, *text, parcel); });
-  const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
-  if (!said.empty()) {
-    problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,
-                 "correct or convert the file; " + asked_by.text() + " names it");
+  const bool obj = is_obj(file);
+  const std::string ending = lower_case(std::filesystem::path(file).extension().string());
+  if (ending == ".gltf" || ending == ".glb") check_extensions(*text, file, problems);
+  if (obj) check_obj_text(obj_for_assimp(*text).value_or(*text), file, problems);
+  if (problems.count() != before) return std::nullopt;
+  Importer reader(file, request, asked_by, problems);
+  if (text->starts_with("ply")) {
+    auto ply = read_ply(*text, file, problems);
+    if (!ply) return std::nullopt;
+    if (const auto centre = far_centre(ply->vertices, reader.out.unit_m)) {
+      for (auto& v : ply->vertices)
+        for (std::size_t axis = 0; axis < 3; ++axis) v[axis] -= (*centre)[axis];
+      reader.set_centre(*centre);
+    }
+    reader.add_mesh(Part<double>{{"DefaultMaterial", "", {}},
+                                 std::move(ply->vertices),
+                                 std::move(ply->in_image),
+                                 std::move(ply->face_corners),
+                                 std::move(ply->corners)});
+  } else if (!add_by_assimp(reader, file, *text, obj, asked_by, problems)) {
     return std::nullopt;
   }
-  Importer reader(file, unit_m, y_up, strict, problems);
-  while (read.value<bool>()) {
-    Part part;
-    part.names = read_names(read, obj);
-    part.vertices = read.list<std::array<float, 3>>();
-    part.in_image = read.list<std::array<float, 2>>();
-    part.face_corners = read.list<std::uint32_t>(), part.corners = read.list<std::uint32_t>();
-    reader.add_mesh(part);
-  }
-  if (problems.lines().size() != before) return std::nullopt;
+  if (problems.count() != before) return std::nullopt;
   if (obj && !sound_obj_places(*text))
     for (auto& place : reader.out.in_image) place.fill(std::numeric_limits<float>::quiet_NaN());
+  if (reader.out.no_surfaces > 0)
+    problems.tell({file, 0, 0, ""}, counted(reader.out.no_surfaces, "face") + " of fewer than three corners left out");
+  if (const std::size_t wanted = obj ? obj_faces(*text) : 0; wanted > reader.out.faces)
+    problems.tell({file, 0, 0, ""},
+                  counted(wanted - reader.out.faces, "face") + " of " + std::to_string(wanted) + " lost by Assimp");
   if (reader.out.mesh.triangles.empty()) {
     problems.add({file, 0, 0, ""}, "mesh has no faces with area",
                  std::to_string(reader.out.mesh.vertices.size()) + " vertices, " + std::to_string(reader.out.faces) +

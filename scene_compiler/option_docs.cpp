@@ -165,7 +165,15 @@ Json table_schema(std::string_view path) {
     if (spec.required()) required.push_back(std::string(spec.key));
   }
   Json out = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
-  if (!required.empty()) out["required"] = required;
+  if (required.empty()) return out;
+  if (!properties.contains("sensor")) {
+    out["required"] = required;
+    return out;
+  }
+  // A sensor's file says what the instrument's own table does not, but its name.
+  std::erase(required.get_ref<Json::array_t&>(), Json("name"));
+  out["required"] = Json::array({"name"});
+  out["anyOf"] = Json::array({{{"required", required}}, {{"required", Json::array({"sensor"})}}});
   return out;
 }
 

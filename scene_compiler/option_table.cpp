@@ -61,6 +61,20 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// Whether all words of `key`, apart by underscores, stand in `whole` in their order.
+bool has_words(std::string_view whole, std::string_view key) {
+  std::size_t from = 0;
+  const std::string in = "_" + std::string(whole) + "_";
+  while (!key.empty()) {
+    const std::size_t end = std::min(key.find('_'), key.size());
+    const std::size_t at = in.find("_" + std::string(key.substr(0, end)) + "_", from);
+    if (at == std::string::npos) return false;
+    from = at + 1 + end;
+    key.remove_prefix(std::min(end + 1, key.size()));
+  }
+  return true;
+}
+
 }  // namespace
 
 std::span<const KeySpec> option_keys() { return kKeys; }
@@ -78,7 +92,9 @@ std::string nearest_key(std::string_view table, std::string_view key) {
   for (const auto& spec : kKeys) {
     if (spec.table != table) continue;
     // A key typed without its unit ("altitude" for "altitude_agl_m") is as near as a typing slip.
-    const std::size_t distance = key.size() > 2 && spec.key.starts_with(key) ? 1 : edit_distance(key, spec.key);
+    // So is one without a word in its middle ("altitude_m").
+    const bool part = key.size() > 2 && (spec.key.starts_with(key) || has_words(spec.key, key));
+    const std::size_t distance = part ? 1 : edit_distance(key, spec.key);
     if (distance < best_distance) best_distance = distance, best = spec.key;
   }
   return best;

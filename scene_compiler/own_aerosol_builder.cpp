@@ -37,8 +37,8 @@ bool read_columns(const CsvFile& csv, const std::vector<TableColumn>& columns, s
     return false;
   }
   const double unit_um = wavelength_unit_um(csv.columns[*axis]).value_or(1.0);
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv.rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv.rows.size() && problems.count() < before + 20; ++row) {
     const auto x = csv.number(row, *axis, problems);
     if (!x) continue;
     const double um = *x * unit_um;
@@ -59,7 +59,7 @@ bool read_columns(const CsvFile& csv, const std::vector<TableColumn>& columns, s
       one.values->push_back(value.value_or(0));
     }
   }
-  return problems.lines().size() == before;
+  return problems.count() == before;
 }
 
 /// The first whose name begins so; its unit may follow: extinction_per_km.
@@ -141,8 +141,8 @@ void read_height_file(const Record& record, OwnAerosolSpec& out, Problems& probl
                  "name them so");
     return;
   }
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + 20; ++row) {
     const auto height = csv->number(row, km ? *km : *m, problems), value = csv->number(row, *extinction, problems);
     if (height && value) add_height(km ? *height : *height / 1000, *value, csv->at(row, *extinction), out, problems);
   }
@@ -159,11 +159,11 @@ void read_height(const Record& record, OwnAerosolSpec& out, Problems& problems) 
     given = key;
   }
   if (!given || std::string(given) == "scale_height_km") return;
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   for (const auto& [height_km, extinction] : record.value("extinction_profile").points)
     add_height(height_km, extinction, record.place("extinction_profile"), out, problems);
   if (record.given("extinction_profile_file")) read_height_file(record, out, problems);
-  if (out.height_km.size() < 2 && problems.lines().size() == before)
+  if (out.height_km.size() < 2 && problems.count() == before)
     problems.add(record.place(given), "an extinction profile needs two heights", std::to_string(out.height_km.size()),
                  "give its lower and its upper end");
 }

@@ -114,4 +114,27 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
                       what + ": " + found + "; " + way_out);
 }
 
+void tell_of_buried(const SceneParts& parts, const std::vector<PlacedBox>& boxes, const std::string& file,
+                    std::vector<std::string>& notices) {
+  std::size_t count = 0, first = 0;
+  double ground_m = 0;
+  for (std::size_t i = 0; i < boxes.size() && !parts.terrains.empty(); ++i) {
+    const PlacedBox& box = boxes[i];
+    if (box.empty() || parts.placed[i].mesh < parts.terrains.size()) continue;
+    const double west = box.lo[0], east = box.hi[0], south = box.lo[1], north = box.hi[1];
+    double lowest_m = std::numeric_limits<double>::infinity();
+    for (const auto& [x, y] : {std::pair{west, south}, std::pair{west, north}, std::pair{east, south},
+                               std::pair{east, north}, std::pair{0.5 * (west + east), 0.5 * (south + north)}})
+      lowest_m = std::min(lowest_m, parts.terrain_height_m(x, y).value_or(-std::numeric_limits<double>::infinity()));
+    if (!(static_cast<double>(box.hi[2]) < lowest_m)) continue;
+    if (count++ == 0) first = i, ground_m = lowest_m;
+  }
+  if (count == 0) return;
+  notices.push_back(file + ": " + std::to_string(count) + (count == 1 ? " object lies" : " objects lie") +
+                    " under the terrain, where nothing above sees " + (count == 1 ? "it" : "them") + ": '" +
+                    parts.meshes[parts.placed[first].mesh].name + "' reaches up to " +
+                    number_text(static_cast<double>(boxes[first].hi[2])) + " m, the ground there lies at " +
+                    number_text(ground_m) + " m or higher; on_terrain = true counts its z from the ground");
+}
+
 }  // namespace raycube::scene

@@ -30,4 +30,9 @@ PlacedBox box_around(const std::vector<PlacedBox>& boxes);
 void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& boxes, const std::string& file,
                       std::vector<std::string>& notices, base::Problems& problems);
 
+/// Objects whose box lies below the highest terrain at its four corners and its middle, where all of these are on one:
+/// nothing above sees them. Told once: how many, and the first.
+void tell_of_buried(const SceneParts& parts, const std::vector<PlacedBox>& boxes, const std::string& file,
+                    std::vector<std::string>& notices);
+
 }  // namespace raycube::scene

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 
 #include "host/base/gdal_library.h"
+#include "host/base/gdal_open.h"
 #include "host/base/limited_child.h"
 #include "scene_compiler/csv_file.h"
+#include "scene_compiler/document_values.h"
 
 namespace raycube::scene {
 namespace {
@@ -51,30 +54,38 @@ bool interpolate(std::vector<double>& values, const std::vector<bool>& valid, in
              CE_None;
 }
 
-void read_reference(GDALDatasetH dataset, Raster& raster) {
-  raster.georeferenced = gdal().GDALGetGeoTransform(dataset, raster.transform.data()) == CE_None;
-  const OGRSpatialReferenceH srs = gdal().GDALGetSpatialRef(dataset);
-  if (srs == nullptr) return;
-  raster.geographic = gdal().OSRIsGeographic(srs) != 0;
-  if (const char* code = gdal().OSRGetAuthorityCode(srs, nullptr)) raster.epsg = std::atoi(code);
-  if (raster.epsg != 0) return;
-  // ESRI .prj files name no code: take the database's best match when it is surely the same system (70: equal
-  // but for names).
-  int count = 0;
-  int* confidence = nullptr;
-  OGRSpatialReferenceH* matches = gdal().OSRFindMatches(srs, nullptr, &count, &confidence);
-  if (count > 0 && confidence[0] >= 70)
-    if (const char* code = gdal().OSRGetAuthorityCode(matches[0], nullptr)) raster.epsg = std::atoi(code);
-  gdal().OSRFreeSRSArray(matches);
-  gdal().VSIFree(confidence);
-}
-
 /// What the child found before any sample, as it hands it back.
 struct Opened {
-  int columns = 0, rows = 0, band_count = 0, epsg = 0;
-  bool georeferenced = false, geographic = false, palette = false;
-  std::array<double, 6> transform{};
+  int columns = 0, rows = 0, band_count = 0;
+  bool georeferenced = false;
+  std::array<double, 6> transform{0, 1, 0, 0, 0, -1};
 };
+
+void send(base::Parcel& parcel, const ReferenceSystem& system) {
+  for (const std::string* text : {&system.wkt, &system.name, &system.height_name}) parcel.text(*text);
+  parcel.value(system.epsg), parcel.value(system.geographic);
+  parcel.value(system.unit_m), parcel.value(system.height_unit_m);
+}
+ReferenceSystem take_system(base::Unpacked& read) {
+  ReferenceSystem out;
+  for (std::string* text : {&out.wkt, &out.name, &out.height_name}) *text = read.text();
+  out.epsg = read.value<int>(), out.geographic = read.value<bool>();
+  out.unit_m = read.value<double>(), out.height_unit_m = read.value<double>();
+  return out;
+}
+
+void send(base::Parcel& parcel, const base::GdalBand& band) {
+  for (const std::string* text : {&band.unit, &band.mask}) parcel.text(*text);
+  for (const double value : {band.scale, band.offset, band.no_data, band.most}) parcel.value(value);
+  parcel.value(band.palette);
+}
+base::GdalBand take_declaration(base::Unpacked& read) {
+  base::GdalBand out;
+  for (std::string* text : {&out.unit, &out.mask}) *text = read.text();
+  for (double* value : {&out.scale, &out.offset, &out.no_data, &out.most}) *value = read.value<double>();
+  out.palette = read.value<bool>();
+  return out;
+}
 
 bool fits(const Opened& opened, int count) {
   return double(opened.columns) * opened.rows * std::max(count, 1) <= double(1 << 28);
@@ -83,92 +94,85 @@ bool has_bands(const Opened& opened, int first_band, int count) {
   return count >= 1 && first_band + count - 1 <= opened.band_count;
 }
 
-/// Of a raw file that ends before its header says: what is wrong; else empty. GDAL reads what is missing as zeros (with
-/// RAW_CHECK_FILE_SIZE it refuses files of less than half their size alone).
-std::string cut_short(GDALDatasetH dataset, const std::string& file) {
-  const std::string driver = gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset));
-  if (driver != "ENVI" && driver != "EHdr" && driver != "ISCE" && driver != "ROI_PAC") return "";
-  const auto said = [&](const char* key, const char* domain) {
-    const char* const value = gdal().GDALGetMetadataItem(dataset, key, domain);
-    return value ? std::atof(value) : 0.0;
-  };
-  if (said("file_compression", "ENVI") != 0) return "";
-  double bits = 0;
-  for (int b = 1; b <= gdal().GDALGetRasterCount(dataset); ++b) {
-    const GDALRasterBandH band = gdal().GDALGetRasterBand(dataset, b);
-    const char* const fewer = gdal().GDALGetMetadataItem(band, "NBITS", "IMAGE_STRUCTURE");
-    bits += fewer ? std::atof(fewer) : gdal().GDALGetDataTypeSizeBits(gdal().GDALGetRasterDataType(band));
-  }
-  const double needed = std::ceil(bits * gdal().GDALGetRasterXSize(dataset) * gdal().GDALGetRasterYSize(dataset) / 8) +
-                        said("header_offset", "ENVI");
-  std::error_code failed;
-  const auto bytes = static_cast<double>(std::filesystem::file_size(file, failed));
-  if (failed || bytes >= needed) return "";
-  return "the file ends after " + std::to_string(static_cast<std::uint64_t>(bytes)) + " of " +
-         std::to_string(static_cast<std::uint64_t>(needed)) + " bytes";
-}
-
-/// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for
-/// GDAL's word (empty: it could be read), its nodata value and its samples.
+/// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for what the file
+/// declares, and by pieces GDAL's word (empty: it could be read), values and what is known of each.
 void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
-  const QuietGdal quiet;
-  const GdalDataset dataset(gdal().GDALOpen(file.c_str(), GA_ReadOnly));
-  const std::string wrong = dataset ? cut_short(dataset.get(), file) : gdal_message();
+  const auto [dataset, wrong] = base::open_by_gdal(file);
   parcel.text(wrong);
-  if (!wrong.empty()) return;
-  Raster raster;
-  read_reference(dataset.get(), raster);
-  Opened opened{gdal().GDALGetRasterXSize(dataset.get()),
-                gdal().GDALGetRasterYSize(dataset.get()),
-                gdal().GDALGetRasterCount(dataset.get()),
-                raster.epsg,
-                raster.georeferenced,
-                raster.geographic,
-                false,
-                raster.transform};
-  if (has_bands(opened, first_band, 1))
-    opened.palette = gdal().GDALGetRasterColorTable(gdal().GDALGetRasterBand(dataset.get(), first_band)) != nullptr;
+  if (!dataset) return;
+  const QuietGdal quiet;
+  Opened opened;
+  opened.columns = gdal().GDALGetRasterXSize(dataset.get()), opened.rows = gdal().GDALGetRasterYSize(dataset.get());
+  opened.band_count = gdal().GDALGetRasterCount(dataset.get());
+  opened.georeferenced = gdal().GDALGetGeoTransform(dataset.get(), opened.transform.data()) == CE_None;
   parcel.value(opened);
+  send(parcel, describe_system(gdal().GDALGetSpatialRef(dataset.get())));
   if (count == 0) count = opened.band_count - first_band + 1;
   if (!fits(opened, count) || !has_bands(opened, first_band, count)) return;
   std::vector<double> values;
+  std::vector<base::Pixel> known;
   for (int i = 0; i < count; ++i) {
     const GDALRasterBandH band = gdal().GDALGetRasterBand(dataset.get(), first_band + i);
-    int has_nodata = 0, block_columns = 0, block_rows = 1;
-    const double hole = gdal().GDALGetRasterNoDataValue(band, &has_nodata);
-    parcel.value(has_nodata != 0), parcel.value(hole);
+    const base::GdalBand declared = base::describe_band(band);
+    send(parcel, declared);
+    int block_columns = 0, block_rows = 1;
     gdal().GDALGetBlockSize(band, &block_columns, &block_rows);
     // Whole rows of blocks at a time.
     const int step = std::clamp(kPiece_values / std::max(opened.columns, 1) / block_rows * block_rows,
                                 std::min(block_rows, opened.rows), opened.rows);
     for (int row = 0; row < opened.rows; row += step) {
-      const int rows = std::min(step, opened.rows - row);
-      values.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(opened.columns));
-      const bool read = gdal().GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(), opened.columns,
-                                            rows, GDT_Float64, 0, 0) == CE_None;
+      const bool read = base::read_rows(band, declared, row, std::min(step, opened.rows - row), values, known);
       parcel.text(read ? "" : gdal_message());
       if (!read) return;
       parcel.list(values.data(), values.size());
+      parcel.list(known.data(), known.size());
     }
   }
 }
 
-/// Takes a band's samples as read_by_gdal() sends them; GDAL's word when they end early.
-std::string take_band(base::Unpacked& read, std::vector<double>& values, std::size_t pixels) {
-  values.reserve(pixels);
+/// Takes a band's values as read_by_gdal() sends them; GDAL's word when they end early.
+std::string take_band(base::Unpacked& read, std::vector<double>& values, std::vector<base::Pixel>& known,
+                      std::size_t pixels) {
+  values.reserve(pixels), known.reserve(pixels);
   while (values.size() < pixels) {
     std::string said = read.text();
     if (!said.empty()) return said;
     const auto piece = read.list<double>();
+    const auto with = read.list<base::Pixel>();
     values.insert(values.end(), piece.begin(), piece.end());
+    known.insert(known.end(), with.begin(), with.end());
   }
   return "";
 }
 
+/// Told, since an earlier version took the numbers of the file: "scale 0.1 and offset 0".
+void tell_of_scale(const Raster& raster, int first_band, Problems& problems) {
+  std::size_t scaled = 0, first = 0;
+  for (std::size_t i = raster.declared.size(); i-- > 0;)
+    if (raster.declared[i].scaled()) ++scaled, first = i;
+  if (scaled == 0) return;
+  const base::GdalBand& band = raster.declared[first];
+  problems.tell({raster.file, 0, 0, "band " + std::to_string(first_band + static_cast<int>(first))},
+                "its values are the file's numbers times " + number_text(band.scale) + " plus " +
+                    number_text(band.offset) + ", as the file declares" +
+                    (scaled > 1 ? "; so are other bands' by their own" : ""));
+}
+
 }  // namespace
 
+double white_of(const Raster& image) {
+  const base::GdalBand& band = image.declared[0];
+  const auto value_of = [&](double number) { return band.scale * number + band.offset; };
+  if (band.most <= 65535) return band.most > 0 ? value_of(band.most) : 0;
+  double most = 0;
+  for (const auto& values : image.bands) most = std::max(most, *std::max_element(values.begin(), values.end()));
+  for (const double white : {255.0, 65535.0})
+    if (most <= value_of(white)) return value_of(white);
+  return 0;
+}
+
 std::optional<Raster> read_raster(const std::string& file, int first_band, int count, NoData nodata,
-                                  const Where& asked_by, Problems& problems) {
+                                  const Where& asked_by, Problems& problems, Transparent transparent) {
   if (!check_readable(file, asked_by, problems)) return std::nullopt;
   base::ChildLimits limits;
   limits.cpu_s = kRasterBase_s + kRasterPerByte_s * static_cast<double>(std::filesystem::file_size(file));
@@ -187,7 +191,7 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   raster.file = file;
   raster.columns = opened.columns, raster.rows = opened.rows, raster.band_count = opened.band_count;
   raster.georeferenced = opened.georeferenced, raster.transform = opened.transform;
-  raster.epsg = opened.epsg, raster.geographic = opened.geographic, raster.palette = opened.palette;
+  raster.system = take_system(read);
   if (count == 0) count = raster.band_count - first_band + 1;
   if (!fits(opened, count)) {
     problems.add({file, 0, 0, ""}, "raster is too large",
@@ -203,10 +207,10 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   }
   const std::size_t pixels = static_cast<std::size_t>(raster.columns) * static_cast<std::size_t>(raster.rows);
   for (int i = 0; i < count; ++i) {
-    const bool has_nodata = read.value<bool>();
-    const double hole = read.value<double>();
+    raster.declared.push_back(take_declaration(read));
     auto& values = raster.bands.emplace_back();
-    if (const std::string failed = take_band(read, values, pixels); !failed.empty()) {
+    std::vector<base::Pixel> known;
+    if (const std::string failed = take_band(read, values, known, pixels); !failed.empty()) {
       problems.add({file, 0, 0, "band " + std::to_string(first_band + i)}, "raster is truncated or damaged", failed,
                    "restore the file");
       return std::nullopt;
@@ -214,48 +218,27 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
     auto& valid = raster.valid.emplace_back(values.size(), true);
     bool holes = false;
     for (std::size_t k = 0; k < values.size(); ++k) {
-      valid[k] = std::isfinite(values[k]) && !(has_nodata && values[k] == hole);
+      const bool counts = known[k] == base::Pixel::transparent && transparent == Transparent::has_a_value;
+      valid[k] = known[k] == base::Pixel::sound || counts;
+      raster.transparent += counts && i == 0;
       holes = holes || !valid[k];
     }
     if (!holes || nodata == NoData::mark) continue;
     const QuietGdal quiet;
-    if (!interpolate(values, valid, raster.columns, raster.rows)) {
+    std::vector<double> filled = values;
+    // A post that no neighbour reaches keeps this number.
+    for (std::size_t k = 0; k < filled.size(); ++k)
+      if (!valid[k]) filled[k] = std::numeric_limits<double>::infinity();
+    if (!interpolate(filled, valid, raster.columns, raster.rows)) {
       problems.add({file, 0, 0, ""}, "cannot interpolate the posts without data", gdal_message(),
                    "fill them with gdal_fillnodata.py");
       return std::nullopt;
     }
     for (std::size_t k = 0; k < values.size(); ++k)
-      valid[k] = std::isfinite(values[k]) && !(has_nodata && values[k] == hole);
+      if (!valid[k] && std::isfinite(filled[k])) values[k] = filled[k], valid[k] = true;
   }
+  tell_of_scale(raster, first_band, problems);
   return raster;
-}
-
-std::optional<GeoPlace> geographic_place(int epsg, double easting_m, double northing_m) {
-  const QuietGdal quiet;
-  const GdalSpatialReference projected(gdal().OSRNewSpatialReference(nullptr)),
-      geographic(gdal().OSRNewSpatialReference(nullptr));
-  if (gdal().OSRImportFromEPSG(projected.get(), epsg) != OGRERR_NONE ||
-      gdal().OSRImportFromEPSG(geographic.get(), 4326) != OGRERR_NONE)
-    return std::nullopt;
-  if (gdal().OSRIsProjected(projected.get()) == 0) return std::nullopt;
-  gdal().OSRSetAxisMappingStrategy(projected.get(), OAMS_TRADITIONAL_GIS_ORDER);
-  gdal().OSRSetAxisMappingStrategy(geographic.get(), OAMS_TRADITIONAL_GIS_ORDER);
-  const base::GdalOwned<&base::Gdal::OCTDestroyCoordinateTransformation> transform(
-      gdal().OCTNewCoordinateTransformation(projected.get(), geographic.get()));
-  if (!transform) return std::nullopt;
-  // The second point lies 1 km to the grid's north.
-  double x[2] = {easting_m, easting_m}, y[2] = {northing_m, northing_m + 1000.0};
-  if (!gdal().OCTTransform(transform.get(), 2, x, y, nullptr)) return std::nullopt;
-  if (!std::isfinite(x[0]) || !std::isfinite(y[0]) || !std::isfinite(x[1]) || !std::isfinite(y[1])) return std::nullopt;
-  const double to_rad = M_PI / 180.0;
-  const double lat1 = y[0] * to_rad, lat2 = y[1] * to_rad, dlon = (x[1] - x[0]) * to_rad;
-  // Over 1 km the ellipsoid is a plane: east = N cos(lat) dlon, north = M dlat, both over N (radii of WGS
-  // 84).
-  const double e2 = 0.00669437999014;
-  const double w2 = 1 - e2 * std::sin(lat1) * std::sin(lat1);
-  const double meridian_over_prime = (1 - e2) / w2;  // M / N of WGS 84
-  const double east = std::cos(0.5 * (lat1 + lat2)) * dlon, north = meridian_over_prime * (lat2 - lat1);
-  return GeoPlace{x[0], y[0], std::atan2(east, north) / to_rad};
 }
 
 }  // namespace raycube::scene

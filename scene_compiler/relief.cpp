@@ -59,11 +59,10 @@ std::optional<Relief> read_bump(const Record& record, Problems& problems) {
   return Relief(image->columns, image->rows, texel_of(record), false, std::move(height_m));
 }
 
-/// The value of an image that stands for 1, by the largest that it has: 1, 255 or 65535.
+/// The value of an image that stands for 1.
 double one_of(const Raster& image) {
-  double most = 0;
-  for (const auto& band : image.bands) most = std::max(most, *std::max_element(band.begin(), band.end()));
-  return most <= 1 ? 1 : most <= 255 ? 255 : 65535;
+  const double white = white_of(image);
+  return white > 0 ? white : 1;
 }
 
 std::optional<Relief> read_normals(const Record& record, Problems& problems) {

@@ -201,6 +201,38 @@ void add_panels(const Record& root, MaterialTable& materials, SceneParts& parts,
   }
 }
 
+/// Part by which a metre of the map may differ from one on the ground: UTM's and most national grids' do by 0.04 %.
+constexpr double kMostStretch = 0.005;
+/// How far latitude_deg and longitude_deg may lie from the place that epsg and its coordinates name, degrees.
+constexpr double kSamePlace_deg = 0.01;
+
+/// Whether the origin lies in a projected system whose metres are metres of the ground, and is one place.
+void check_origin(const Record& record, const Origin& origin, Problems& problems) {
+  const std::string found = "EPSG:" + std::to_string(origin.epsg) + " at " + number_text(origin.easting_m) + ", " +
+                            number_text(origin.northing_m);
+  std::string why;
+  const auto place = geographic_place(origin.epsg, origin.easting_m, origin.northing_m, &why);
+  if (!place) {
+    problems.add(record.place("epsg"), "not a projected system in metres in which the origin lies", found + ": " + why,
+                 "use a projected system in metres, like EPSG:32618 (UTM 18N), and its easting and northing");
+    return;
+  }
+  if (std::max(std::abs(place->scale_north - 1), std::abs(place->scale_east - 1)) > kMostStretch)
+    problems.add(
+        record.place("epsg"), "metres of this map are not metres on the ground",
+        found + ": a metre on the ground is " + number_text(place->scale_north) + " to north and " +
+            number_text(place->scale_east) + " to east on the map",
+        "slopes, shadows and sizes would be wrong; use the place's UTM zone, EPSG:" + std::to_string(utm_zone(*place)));
+  const bool latitude = record.given("latitude_deg"), longitude = record.given("longitude_deg");
+  const double east = longitude ? std::remainder(record.number("longitude_deg") - place->longitude_deg, 360.0) : 0,
+               north = latitude ? record.number("latitude_deg") - place->latitude_deg : 0;
+  if (std::max(std::abs(east), std::abs(north)) > kSamePlace_deg)
+    problems.add(
+        record.place(latitude ? "latitude_deg" : "longitude_deg"), "the origin is two places",
+        found + " is latitude " + number_text(place->latitude_deg) + ", longitude " + number_text(place->longitude_deg),
+        "remove latitude_deg and longitude_deg, which epsg tells, or correct one");
+}
+
 SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Problems& problems) {
   SceneParts parts;
   if (const Record* scene = root.table("scene"))
@@ -209,12 +241,7 @@ SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Proble
       parts.origin.easting_m = origin->number("easting_m");
       parts.origin.northing_m = origin->number("northing_m");
       parts.origin.height_m = origin->number("height_m");
-      if (parts.origin.epsg != 0 &&
-          !geographic_place(parts.origin.epsg, parts.origin.easting_m, parts.origin.northing_m))
-        problems.add(origin->place("epsg"), "not a projected system in which the origin lies",
-                     "EPSG:" + std::to_string(parts.origin.epsg) + " at " + std::to_string(parts.origin.easting_m) +
-                         ", " + std::to_string(parts.origin.northing_m),
-                     "use a projected system in metres, like EPSG:32618 (UTM 18N), and its easting and northing");
+      if (parts.origin.epsg != 0) check_origin(*origin, parts.origin, problems);
     }
   add_terrains(root, materials, parts, problems);
   add_panels(root, materials, parts, problems);

@@ -15,6 +15,7 @@ namespace raycube::scene {
 struct NamedMesh {
   std::string name;
   TriangleMesh mesh;
+  std::array<double, 3> centre_m{};  ///< of the mesh's own frame: its vertices count from there (MeshFile::centre_m)
 };
 
 struct Placed {

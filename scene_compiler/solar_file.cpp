@@ -63,8 +63,8 @@ std::optional<SolarSpectrumSpec> read_solar_spectrum(const std::string& file, co
   }
   SolarSpectrumSpec out;
   out.name = csv->file;
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + kReportedRows; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + kReportedRows; ++row) {
     const auto x = csv->number(row, wavelength->column, problems), y = csv->number(row, irradiance->column, problems);
     if (!x || !y) continue;
     const double um = *x * wavelength->factor;
@@ -79,10 +79,10 @@ std::optional<SolarSpectrumSpec> read_solar_spectrum(const std::string& file, co
                    number_text(*y * irradiance->factor), "check the value and the column's unit");
     out.wavelength_um.push_back(um), out.irradiance.push_back(*y * irradiance->factor);
   }
-  if (out.wavelength_um.size() < 2 && problems.lines().size() == before)
+  if (out.wavelength_um.size() < 2 && problems.count() == before)
     problems.add({csv->file, 0, 0, ""}, "a solar spectrum needs two rows", std::to_string(out.wavelength_um.size()),
                  "give a range of wavelengths");
-  if (problems.lines().size() > before) return std::nullopt;
+  if (problems.count() > before) return std::nullopt;
   if (std::all_of(out.irradiance.begin(), out.irradiance.end(), [](double value) { return value == 0; })) {
     problems.add({csv->file, 0, 0, ""}, "a solar spectrum needs light", "0 in every row", "check the column");
     return std::nullopt;

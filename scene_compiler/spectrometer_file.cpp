@@ -98,7 +98,7 @@ std::optional<SpectrometerFile> ecostress(const TextFile& text, Problems& proble
     if (numbers_of(text.lines[i]).size() < 2 && text.lines[i].find(':') != std::string::npos) last_key = i;
   SpectrometerFile out = columns(text, last_key + 1, 1, um ? 1 : 1e-3);
   out.kind = "ECOSTRESS", out.name = text.value("name");
-  if (y.find("percent") != std::string::npos) out.scale = 0.01;
+  if (says_percent(y)) out.scale = 0.01;
   return out;
 }
 
@@ -164,7 +164,10 @@ std::optional<SpectrometerFile> asd_text(const TextFile& text, Problems& problem
   out.kind = "ASD text";
   constexpr std::size_t kWord = 10;  // "wavelength"
   for (const std::string& line : text.lines)
-    if (lower_case(line).starts_with("wavelength") && line.size() > kWord) out.name = trimmed(line.substr(kWord + 1));
+    if (lower_case(line).starts_with("wavelength") && line.size() > kWord) {
+      out.name = trimmed(line.substr(kWord + 1));
+      if (says_percent(line)) out.scale = 0.01;
+    }
   return out;
 }
 

@@ -25,6 +25,7 @@ struct SpectrometerFile {
 ///   ASD binary (.asd)           as its FieldSpecs write them, versions 6 to 8: target over white reference
 ///   ASD text                    "Wavelength" and the sample's name, or ASD's header as text; two columns, nm
 ///   SVC (.sig)                  "Spectra Vista", four columns after "data=": nm, reference, target, percent
+/// Text that names its values "%" or "percent" where it names them has scale 0.01.
 /// nullopt without a report: none of these (`known` is false then), or after reporting what is wrong.
 std::optional<SpectrometerFile> read_spectrometer_file(const std::string& file, const std::string& wavelengths,
                                                        const base::Where& asked_by, bool& known,

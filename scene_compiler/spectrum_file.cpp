@@ -64,7 +64,10 @@ std::optional<std::pair<std::size_t, double>> wavelength_column(const CsvFile& c
 std::optional<Material> column_spectrum(const CsvFile& csv, std::pair<std::size_t, double> wavelength,
                                         std::size_t reflectance, std::optional<std::size_t> transmittance,
                                         const SpectrumRequest& request, Problems& problems) {
-  const double scale = request.scale.value_or(1.0);
+  const auto factor = [&](std::size_t column) {
+    return request.scale.value_or(says_percent(csv.columns[column]) ? 0.01 : 1.0);
+  };
+  const double scale = factor(reflectance), through = transmittance ? factor(*transmittance) : scale;
   std::vector<SpectrumPoint> points;
   std::optional<std::pair<std::size_t, std::size_t>> unread;  // row and column of the first cell that is no number
   std::size_t more_unread = 0;
@@ -83,7 +86,7 @@ std::optional<Material> column_spectrum(const CsvFile& csv, std::pair<std::size_
     if (w && r && t)
       points.push_back({*w * wavelength.second,
                         is_data(*r) ? *r * scale : NAN,
-                        is_data(*t) ? *t * scale : NAN,
+                        is_data(*t) ? *t * through : NAN,
                         {csv.file, csv.row_lines[row], 0, ""}});
   }
   if (unread) {
@@ -214,9 +217,9 @@ std::vector<Material> csv_family(const SpectrumRequest& request, Problems& probl
                    "remove it: each column beside the wavelength is a reflectance");
       return {};
     }
-    const std::size_t before = problems.lines().size();
+    const std::size_t before = problems.count();
     auto member = column_spectrum(*csv, *wavelength, column, std::nullopt, request, problems);
-    if (!member || problems.lines().size() > before) return {};
+    if (!member || problems.count() > before) return {};
     const std::size_t note = member->source.rfind(", ");  // of samples left out
     const bool noted = note != std::string::npos && member->source.ends_with(" left out");
     member->source = std::filesystem::path(csv->file).filename().string() + ", column '" + csv->columns[column] + "'" +
@@ -230,9 +233,9 @@ std::vector<Material> library_family(const SpectrumRequest& request, Problems& p
   std::vector<Material> out;
   const auto library = read_envi_library(request.file, request.asked_by, problems);
   for (std::size_t line = 0; library && line < library->names.size(); ++line) {
-    const std::size_t before = problems.lines().size();
+    const std::size_t before = problems.count();
     auto member = library_spectrum(*library, line, request, problems);
-    if (!member || problems.lines().size() > before) return {};
+    if (!member || problems.count() > before) return {};
     out.push_back(std::move(*member));
   }
   return out;
@@ -322,10 +325,10 @@ std::vector<Material> read_family(const SpectrumRequest& request, Problems& prob
   constexpr std::size_t kLeast = 2, kMost = 4096;
   const FileKind kind = kind_of(request, problems);
   if (kind == FileKind::header) return {};
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   std::vector<Material> out =
       kind == FileKind::library ? library_family(request, problems) : csv_family(request, problems);
-  if (problems.lines().size() == before && (out.size() < kLeast || out.size() > kMost)) {
+  if (problems.count() == before && (out.size() < kLeast || out.size() > kMost)) {
     problems.add(request.asked_by, "a family has 2 to 4096 spectra", std::to_string(out.size()) + " in " + request.file,
                  "give more, or fewer; one spectrum is `file`");
     return {};

@@ -1,6 +1,8 @@
 // [[terrain]] entries: heights, georeferencing, class and mixture maps.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "scene_compiler/counter_random.h"
@@ -30,29 +32,39 @@ std::array<double, 6> local_from(const Raster& raster, const Origin& origin) {
 /// The raster's coordinate system against the scene's; true when its transform can be used.
 bool check_reference(const Raster& raster, const SceneParts& parts, const Where& where, Problems& problems) {
   const auto& t = raster.transform;
+  const ReferenceSystem& system = raster.system;
   const double east = t[0] + 0.5 * (t[1] * raster.columns + t[2] * raster.rows),
                north = t[3] + 0.5 * (t[4] * raster.columns + t[5] * raster.rows);
-  const std::string origin_line = "origin = { epsg = " + std::to_string(raster.epsg) +
+  const std::string asked = "EPSG:" + std::to_string(parts.origin.epsg);
+  const std::string origin_line = "origin = { epsg = " + std::to_string(system.epsg) +
                                   ", easting_m = " + number_text(std::round(east)) +
                                   ", northing_m = " + number_text(std::round(north)) + " }";
-  if (raster.geographic) {
-    problems.add(where, "raster is in degrees", raster.file,
+  if (system.geographic) {
+    problems.add(where, "raster is in degrees", raster.file + ", " + system.name,
                  "project it first: gdalwarp -t_srs EPSG:326xx in.tif out.tif");
     return false;
   }
-  if (raster.epsg != 0 && raster.epsg != parts.origin.epsg) {
+  if (!system.wkt.empty() && (parts.origin.epsg == 0 || !is_system(system.wkt, parts.origin.epsg))) {
+    const std::string name =
+        system.epsg != 0 ? "EPSG:" + std::to_string(system.epsg) : "'" + system.name + "', which has no EPSG code";
+    const std::string warp = "gdalwarp -t_srs " + (parts.origin.epsg == 0 ? std::string("EPSG:326xx") : asked) + " " +
+                             raster.file + " OUT.tif";
     problems.add(where, "raster and scene.origin are in different systems",
-                 "EPSG:" + std::to_string(raster.epsg) + " and " +
-                     (parts.origin.epsg == 0 ? std::string("no origin") : "EPSG:" + std::to_string(parts.origin.epsg)),
-                 parts.origin.epsg == 0
-                     ? "write in [scene]: " + origin_line
-                     : "gdalwarp -t_srs EPSG:" + std::to_string(parts.origin.epsg) + ", or in [scene]: " + origin_line);
+                 name + " and " + (parts.origin.epsg == 0 ? std::string("no origin") : asked),
+                 system.epsg == 0 || std::abs(system.unit_m - 1) > 1e-12 ? warp
+                 : parts.origin.epsg == 0                                ? "write in [scene]: " + origin_line
+                                                                         : warp + ", or in [scene]: " + origin_line);
     return false;
   }
+  if (system.wkt.empty() && std::abs(east) <= 180.5 && std::abs(north) <= 90.5 && std::abs(t[1]) < 0.02 &&
+      std::hypot(parts.origin.easting_m, parts.origin.northing_m) > 1000)
+    problems.tell(where, raster.file + " names no reference system, and its coordinates look like degrees (centre " +
+                             number_text(east) + ", " + number_text(north) + ")");
   if (std::hypot(east - parts.origin.easting_m, north - parts.origin.northing_m) > 1e5) {
     problems.add(where, "raster lies more than 100 km from scene.origin",
                  "centre at " + number_text(std::round(east)) + ", " + number_text(std::round(north)),
-                 "write in [scene]: " + origin_line);
+                 system.wkt.empty() ? "it names no reference system; write in [scene] an origin in its coordinates"
+                                    : "write in [scene]: " + origin_line);
     return false;
   }
   return true;
@@ -81,13 +93,34 @@ std::optional<std::array<double, 6>> terrain_transform(const Record& record, con
   return std::array<double, 6>{x, cell, 0, y, 0, -cell};
 }
 
+/// Metres of one of the file's heights: by the band's unit, else by the vertical part of its system; what is not metres
+/// is told, what is not known refused.
+std::optional<double> height_unit_m(const Raster& raster, const Where& where, Problems& problems) {
+  const std::string& unit = raster.declared[0].unit;
+  const double by_system = raster.system.height_unit_m;
+  const double by_band = unit.empty() ? 0 : base::metres_of(unit);
+  if (!unit.empty() && by_band == 0) {
+    problems.add(where, "the heights' unit is not known", "'" + unit + "' in " + raster.file,
+                 "give heights in metres or feet, or rewrite the unit: gdal_edit.py -units metre FILE");
+    return std::nullopt;
+  }
+  const double metres = by_band > 0 ? by_band : by_system > 0 ? by_system : 1;
+  if (std::abs(metres - 1) > 1e-12)
+    problems.tell(where, raster.file + ": heights in " +
+                             (by_band > 0 ? "'" + unit + "'" : "the unit of '" + raster.system.height_name + "'") +
+                             " are taken as " + number_text(metres) + " m each");
+  return metres;
+}
+
 std::optional<std::vector<double>> heights(const Record& record, const Raster& raster, const Origin& origin,
                                            Problems& problems) {
   const std::string& rule = record.text("nodata");
+  const auto unit_m = height_unit_m(raster, record.place("raster"), problems);
+  if (!unit_m) return std::nullopt;
   std::vector<double> z(raster.bands[0].size());
   std::size_t holes = 0, first = 0;
   for (std::size_t i = 0; i < z.size(); ++i) {
-    double h = raster.bands[0][i];
+    double h = *unit_m * raster.bands[0][i];
     if (!raster.valid[0][i]) {
       if (holes++ == 0) first = i;
       h = record.number("nodata_height_m");
@@ -111,6 +144,79 @@ std::optional<std::vector<double>> heights(const Record& record, const Raster& r
     return std::nullopt;
   }
   return z;
+}
+
+/// Numbers that files write where they have no height.
+constexpr double kDeepest = -500, kHighest = 9000;  ///< of the ground on earth above the sea's level, about, m
+constexpr std::array kVoids = {-99999.0, -32768.0, -32767.0, -9999.0, -999.0, -99.0, 9999.0, 32767.0, 65535.0, 1e20};
+
+/// How many posts have a property, and the first of them.
+struct Posts {
+  std::size_t count = 0, first = 0;
+  void add(std::size_t post) {
+    if (count++ == 0) first = post;
+  }
+};
+
+/// Posts that may stand for voids which the file does not declare: told, by value and place. `z`: heights, m; a height
+/// is far from another where no slope is between them, that is by 10 cells or 100 m, whichever is more.
+void tell_of_voids(const Raster& raster, const std::vector<double>& z, double cell_m, Problems& problems) {
+  const double far_m = std::max(100.0, 10 * cell_m);
+  const auto tell = [&](const Posts& posts, const std::string& what) {
+    problems.tell({raster.file, 0, 0, post_text(posts.first, raster.columns)},
+                  std::to_string(posts.count) + (posts.count == 1 ? " post" : " posts") + " of height " +
+                      number_text(raster.bands[0][posts.first]) + " " + what +
+                      "; if that means no data, declare it: gdal_translate -a_nodata");
+  };
+  const int columns = raster.columns, rows = raster.rows;
+  std::array<Posts, kVoids.size()> voids;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  const auto void_of = [&](std::size_t post) {
+    const base::GdalBand& band = raster.declared[0];
+    const double number = (raster.bands[0][post] - band.offset) / band.scale;
+    return static_cast<std::size_t>(std::find(kVoids.begin(), kVoids.end(), number) - kVoids.begin());
+  };
+  for (std::size_t post = 0; post < z.size(); ++post) {
+    if (!raster.valid[0][post]) continue;
+    if (const std::size_t known = void_of(post); known < kVoids.size())
+      voids[known].add(post);
+    else
+      least = std::min(least, z[post]), most = std::max(most, z[post]);
+  }
+  std::vector<bool> told(z.size(), false);
+  for (const Posts& posts : voids)
+    if (posts.count > 0 && (z[posts.first] < least - far_m || z[posts.first] > most + far_m)) {
+      const double height = raster.bands[0][posts.first];
+      if (height < kDeepest || height > kHighest)
+        problems.add(
+            {raster.file, 0, 0, post_text(posts.first, columns)}, "a height that no ground has",
+            number_text(height) + ", " + std::to_string(posts.count) + " of " + std::to_string(z.size()) + " posts",
+            "if it means no data, declare it: gdal_translate -a_nodata " + number_text(height) + " " + raster.file +
+                " OUT.tif");
+      else
+        tell(posts, posts.count == 1 ? "stands far from all others" : "stand far from all others");
+      for (std::size_t post = 0; post < z.size(); ++post) told[post] = told[post] || z[post] == z[posts.first];
+    }
+  Posts alone;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const auto number = [&](int r, int c) {
+        return static_cast<std::size_t>(r) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c);
+      };
+      const std::size_t post = number(row, column);
+      if (!raster.valid[0][post] || told[post]) continue;
+      int neighbours = 0;
+      bool lonely = true;
+      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows - 1); ++r)
+        for (int c = std::max(column - 1, 0); c <= std::min(column + 1, columns - 1); ++c) {
+          const std::size_t beside = number(r, c);
+          if (beside == post || !raster.valid[0][beside] || told[beside]) continue;
+          ++neighbours;
+          lonely = lonely && std::abs(z[beside] - z[post]) > far_m;
+        }
+      if (lonely && neighbours >= 3) alone.add(post);
+    }
+  if (alone.count > 0) tell(alone, "stand alone, more than " + number_text(far_m) + " m from all their neighbours");
 }
 
 /// material of each number named in `materials`.
@@ -310,6 +416,10 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
     return;
   }
   const TerrainGrid grid(raster->columns, raster->rows, *transform, *z);
+  tell_of_voids(*raster, *z, std::sqrt(grid.cell_area_m2()), problems);
+  if (!raster->system.height_name.empty())
+    problems.tell(record.place("raster"), "heights of " + raster->file + " are above '" + raster->system.height_name +
+                                              "'; scene.origin.height_m counts from there, too");
   std::vector<std::uint32_t> surfaces(grid.cell_count(), 0);
   std::vector<int> classes;
   if (ways == 1) {

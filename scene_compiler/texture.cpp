@@ -107,8 +107,8 @@ std::vector<std::vector<double>> band_means(const Record& texture, const std::ve
 }
 
 /// The members whose means are nearest to what an image of reflectances shows.
-std::vector<std::uint16_t> nearest_to(Raster image, std::vector<std::vector<double>> means, const Record& texture) {
-  const double white = texture.number("white");
+std::vector<std::uint16_t> nearest_to(Raster image, double white, std::vector<std::vector<double>> means,
+                                      const Record& texture) {
   for (auto& band : image.bands)
     for (double& value : band) value /= white;
   if (texture.text("encoding") == "srgb")  // the image has been encoded already
@@ -116,15 +116,20 @@ std::vector<std::uint16_t> nearest_to(Raster image, std::vector<std::vector<doub
   return nearest_members(image.bands, means);
 }
 
-/// Whether values can be what `white` says: an image of 0 to 1 is not one of 0 to 255 in the dark.
-bool has_known_white(const Record& texture, const Raster& image, Problems& problems) {
+/// The image's value of reflectance 1: as given, else the largest number of its bits. nullopt after reporting where its
+/// values cannot be of that: an image of 0 to 1 is not one of 0 to 255 in the dark.
+std::optional<double> known_white(const Record& texture, const Raster& image, Problems& problems) {
+  if (texture.given("white")) return texture.number("white");
   double most = 0;
   for (const auto& band : image.bands) most = std::max(most, *std::max_element(band.begin(), band.end()));
-  if (texture.given("white") || most > 0.02 * texture.number("white")) return true;
+  const double white = white_of(image);
+  if (white > 0 && most > 0.02 * white) return white;
   problems.add(texture.place("image"), "the image's value of reflectance 1 is not known",
-               "values up to " + number_text(most) + "; a picture's white is 255",
+               "values up to " + number_text(most) +
+                   (white > 0 ? "; the largest number of its bits stands for " + number_text(white)
+                              : "; they are no integers of 8 or 16 bits, of which the largest would be white"),
                "give white, 1 for an image of reflectances");
-  return false;
+  return std::nullopt;
 }
 
 /// Whether no key is there that the way of choosing has no use for.
@@ -149,9 +154,9 @@ bool asks_for_one_choice(const Record& texture, Problems& problems) {
 
 std::optional<Raster> read_image(const Record& record, int bands, Problems& problems) {
   auto image = read_raster(record.text("image"), static_cast<int>(record.integer("band")), bands, NoData::mark,
-                           record.place("image"), problems);
+                           record.place("image"), problems, Transparent::has_a_value);
   if (!image) return std::nullopt;
-  if (image->palette) {
+  if (image->declared[0].palette) {
     problems.add({image->file, 0, 0, ""}, "the picture's values are numbers of a palette's colours", "a palette",
                  "write its colours: gdal_translate -expand rgba " + image->file + " NEW.png");
     return std::nullopt;
@@ -242,9 +247,10 @@ std::optional<Texture> read_texture(const Record& texture, const std::vector<Mat
   const std::string& choice = texture.text("choose");
   const double texel_m = texture.given("texel_m") ? texture.number("texel_m") : 0;
   if (choice == "nearest") {
-    if (!has_known_white(texture, *image, problems)) return std::nullopt;
+    const auto white = known_white(texture, *image, problems);
+    if (!white) return std::nullopt;
     const int columns = image->columns, rows = image->rows;
-    return Texture(columns, rows, texel_m, nearest_to(std::move(*image), means, texture));
+    return Texture(columns, rows, texel_m, nearest_to(std::move(*image), *white, means, texture));
   }
   return Texture(
       image->columns, image->rows, texel_m,

@@ -56,8 +56,8 @@ void read_csv_values(const Record& record, Volume& out, Problems& problems) {
     return;
   }
   out.values.assign(static_cast<std::size_t>(count), 0.0f);
-  const std::size_t before = problems.lines().size();
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  const std::size_t before = problems.count();
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + 20; ++row) {
     std::array<std::int64_t, 3> at{};
     bool sound = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -66,7 +66,7 @@ void read_csv_values(const Record& record, Volume& out, Problems& problems) {
       if (n && (*n != std::floor(*n) || *n < 0 || *n >= out.cells[axis]))
         problems.add(csv->at(row, column), "no such cell", number_text(*n),
                      "give 0 to " + std::to_string(out.cells[axis] - 1));
-      sound = sound && n && problems.lines().size() == before;
+      sound = sound && n && problems.count() == before;
       if (sound) at[axis] = static_cast<std::int64_t>(*n);
     }
     const auto v = csv->number(row, *value, problems);

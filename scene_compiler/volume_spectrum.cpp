@@ -41,9 +41,9 @@ void read_file(const Record& volume, Volume& out, Problems& problems) {
   }
   const bool wavenumber = csv->columns[*axis] == "wavenumber_per_cm";
   const double unit_um = wavelength_unit_um(csv->columns[*axis]).value_or(1.0);
-  const std::size_t before = problems.lines().size();
+  const std::size_t before = problems.count();
   double previous = 0;
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+  for (std::size_t row = 0; row < csv->rows.size() && problems.count() < before + 20; ++row) {
     const auto x = csv->number(row, *axis, problems), y = csv->number(row, *value, problems);
     if (!x || !y) continue;
     const double um = wavenumber ? 1e4 / *x : *x * unit_um;
@@ -59,7 +59,7 @@ void read_file(const Record& volume, Volume& out, Problems& problems) {
     previous = *x;
     out.wavelength_um.push_back(um), out.cross_section_cm2.push_back(*y);
   }
-  if (out.wavelength_um.size() < 2 && problems.lines().size() == before)
+  if (out.wavelength_um.size() < 2 && problems.count() == before)
     problems.add({csv->file, 0, 0, ""}, "cross sections need two rows", std::to_string(out.wavelength_um.size()),
                  "give a range of wavelengths");
   if (!wavenumber) return;

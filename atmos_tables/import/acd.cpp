@@ -58,7 +58,7 @@ Imported runs_of(const std::string& path, const char* format, const std::vector<
       }
     for (std::size_t f = 0; f < kFunctions; ++f)
       sums[f].name = kNames[f], sums[f].source = kLabels[4 + f], sums[f].unit = "1";
-    for (std::size_t i = 0; i < mine.size() && problems.lines().size() < kEnoughProblems; i += terms) {
+    for (std::size_t i = 0; i < mine.size() && problems.count() < kEnoughProblems; i += terms) {
       const double freq = mine[i]->field[0].value;
       if (!(freq > 0)) problems.add(mine[i]->where, "FREQ is not above 0", std::to_string(freq), "");
       if (i > 0 && !(freq > mine[i - terms]->field[0].value))
@@ -112,7 +112,7 @@ Imported read_acd_text(const std::string& path) {
   const auto lines = read_lines(path);
   base::Problems problems;
   std::vector<AcdRow> rows;
-  for (std::size_t i = 0; i < lines.size() && problems.lines().size() < kEnoughProblems; ++i) {
+  for (std::size_t i = 0; i < lines.size() && problems.count() < kEnoughProblems; ++i) {
     const auto tokens = split_blanks(lines[i]);
     if (tokens.empty() || tokens[0].rfind("-9999", 0) == 0) continue;
     const base::Where where{path, static_cast<int>(i) + 1, 0, ""};
@@ -159,7 +159,7 @@ Imported read_acd_binary(const std::string& path) {
     problems.add({path, 0, 0, "record 1"}, "the first record does not start with -9999", std::to_string(real(0, 1)),
                  "is it a binary .acd?");
   std::vector<AcdRow> rows;
-  for (std::size_t r = 0; r < bytes.size() / kRecord && problems.lines().size() < kEnoughProblems; ++r) {
+  for (std::size_t r = 0; r < bytes.size() / kRecord && problems.count() < kEnoughProblems; ++r) {
     const base::Where where{path, 0, 0, "record " + std::to_string(r + 1)};
     if (word(r, 0) != kMarker || word(r, kFields + 1) != kMarker) {
       problems.add(where, "the record's markers are not 36",

@@ -152,11 +152,11 @@ Imported read_chn(const std::string& path) {
   problems.throw_if_any();
 
   std::map<int, Channels> by_sight;
-  for (++at; at < lines.size() && problems.lines().size() < kEnoughProblems; ++at) {
+  for (++at; at < lines.size() && problems.count() < kEnoughProblems; ++at) {
     const std::string& line = lines[at];
     if (trimmed(line).empty()) continue;
     std::vector<Number> row;
-    std::size_t from = 0, before = problems.lines().size();
+    std::size_t from = 0, before = problems.count();
     for (std::size_t i = 0; i < kCount; ++i) {
       const std::string_view text = card_field(line, from, ends[i] - from);
       if (!trimmed(text).empty() && (text.size() < ends[i] - from || text.back() == ' ')) {
@@ -168,7 +168,7 @@ Imported read_chn(const std::string& path) {
       row.push_back(need_number(text, here(at), kColumns[i].label, problems));
       from = ends[i];
     }
-    if (problems.lines().size() != before) continue;
+    if (problems.count() != before) continue;
     if (!(row[kWidth].value > 0) || !(row[0].value > 0)) {
       problems.add(here(at), "moment and equivalent width must be above 0",
                    std::to_string(row[0].value) + ", " + std::to_string(row[kWidth].value), "");

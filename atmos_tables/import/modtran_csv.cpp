@@ -91,7 +91,7 @@ Imported read_spectra(const std::string& path, const std::vector<std::string>& l
     check_run(run, header, problems);
     out.runs.push_back(std::move(run));
   };
-  for (std::size_t i = 0; i < lines.size() && problems.lines().size() < kEnoughProblems; ++i) {
+  for (std::size_t i = 0; i < lines.size() && problems.count() < kEnoughProblems; ++i) {
     const Cells cells = split_commas(lines[i]);
     const base::Where here{path, static_cast<int>(i) + 1, 0, ""};
     if (starts_with_freq(cells)) {
@@ -110,7 +110,7 @@ Imported read_spectra(const std::string& path, const std::vector<std::string>& l
   }
   if (labels.empty())
     problems.add(header, "no row of labels that starts with Freq", "", "is it a CSV file of MODTRAN 6?");
-  else if (problems.lines().size() < kEnoughProblems)
+  else if (problems.count() < kEnoughProblems)
     finish();
   problems.throw_if_any();
   return out;
@@ -190,7 +190,7 @@ class FluxReader {
     const std::string axis_label = labels[0] + " " + std::string(units[0]);
     Table table;
     bool closed = false;
-    for (Cells cells = next(); at_ < lines_.size() && problems_.lines().size() < kEnoughProblems; cells = next()) {
+    for (Cells cells = next(); at_ < lines_.size() && problems_.count() < kEnoughProblems; cells = next()) {
       if (!cells.empty() && cells[0] == "}") {
         closed = true;
         break;

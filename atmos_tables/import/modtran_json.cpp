@@ -107,7 +107,7 @@ void read_spectra(const json& spectra, const std::string& place, const std::stri
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   run.geometry = geometry_of(input);
   std::vector<double> axis;
-  for (std::size_t i = 0; i < freq->size() && problems.lines().size() < kEnoughProblems; ++i) {
+  for (std::size_t i = 0; i < freq->size() && problems.count() < kEnoughProblems; ++i) {
     const std::string at = place + ".FREQ[" + std::to_string(i) + "]";
     const Number value = number_at((*freq)[i], path, at, problems);
     if (value.good() && value.value <= 0)
@@ -135,7 +135,7 @@ void read_spectra(const json& spectra, const std::string& place, const std::stri
       continue;
     }
     Column column = modtran_column(*quantity, key);
-    for (std::size_t i = 0; i < values.size() && problems.lines().size() < kEnoughProblems; ++i)
+    for (std::size_t i = 0; i < values.size() && problems.count() < kEnoughProblems; ++i)
       append_modtran(column, quantity->kind,
                      number_at(values[i], path, place + "." + key + "[" + std::to_string(i) + "]", problems), *unit,
                      run.wavelength_um[i]);

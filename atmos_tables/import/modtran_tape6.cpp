@@ -32,7 +32,7 @@ class ListingReader {
   Imported read() {
     Imported out{path_, "MODTRAN", "tape6", {}};
     bool any = false;
-    for (at_ = 0; at_ < lines_.size() && problems_.lines().size() < kEnoughProblems; ++at_) {
+    for (at_ = 0; at_ < lines_.size() && problems_.count() < kEnoughProblems; ++at_) {
       any = any || holds("MODTRAN") || holds("CARD 1 ");
       if (holds("CARD 1  **"))
         close(out), case_ = {};

@@ -72,7 +72,7 @@ class RunReader {
     while (end < lines.size() && !is_end_mark(lines[end]) && !is_header(lines[end])) ++end;
     if (end == lines.size() || !is_end_mark(lines[end]))
       problems_.add(where(end), "the run ends without the mark -9999", "", "the file is cut short; run the code anew");
-    for (std::size_t i = at; i < end && problems_.lines().size() < kEnoughProblems; ++i)
+    for (std::size_t i = at; i < end && problems_.count() < kEnoughProblems; ++i)
       row(lines[i], static_cast<int>(i) + 1);
     finish(second, runs);
     return end + 1;
@@ -270,7 +270,7 @@ Imported read_tape7(const std::string& path, const std::string& format) {
   Imported out{path, "MODTRAN", format, {}};
   base::Problems problems;
   std::vector<std::string> echo;
-  for (std::size_t i = 0; i < lines.size() && problems.lines().size() < kEnoughProblems;) {
+  for (std::size_t i = 0; i < lines.size() && problems.count() < kEnoughProblems;) {
     if (!is_header(lines[i])) {
       if (!trimmed(lines[i]).empty()) echo.push_back(lines[i]);
       ++i;

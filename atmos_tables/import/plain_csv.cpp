@@ -67,7 +67,7 @@ class PlainReader {
 
   Imported read() {
     const auto lines = read_lines(path_);
-    for (std::size_t i = 0; i < lines.size() && problems_.lines().size() < kEnoughProblems; ++i) {
+    for (std::size_t i = 0; i < lines.size() && problems_.count() < kEnoughProblems; ++i) {
       const std::string_view line = trimmed(lines[i]);
       if (line.empty() || line.front() == '#') continue;
       here_ = {path_, static_cast<int>(i) + 1, 0, ""};

@@ -84,7 +84,7 @@ class SixsReader {
 
   Imported read() {
     Imported out{path_, "6S", "6s", {}};
-    for (at_ = 0; at_ < lines_.size() && problems_.lines().size() < kEnoughProblems; ++at_) {
+    for (at_ = 0; at_ < lines_.size() && problems_.count() < kEnoughProblems; ++at_) {
       const std::string text = plain(lines_[at_]);
       if (is_title(text)) {
         if (started_) finish(out);

@@ -197,7 +197,7 @@ void read_rows(const std::string& file, const CsvTable& table, base::Problems& p
       problems.add(where, "the columns of " + table.of + " are " + names, "'" + line + "'", table.header_advice);
       return;
     }
-    if (problems.lines().size() >= kEnoughProblems) return;
+    if (problems.count() >= kEnoughProblems) return;
     if (cells.size() == table.columns.size())
       take(cells, where, line);
     else

@@ -85,7 +85,7 @@ class UvspecReader {
     declare();
     const std::size_t levels = in_.levels.size();
     std::size_t block = 0;
-    while (more() && problems_.lines().size() < kEnoughProblems) {
+    while (more() && problems_.count() < kEnoughProblems) {
       next_column_ = block % levels * per_level_;
       if (!(in_.output_user.empty() ? own_block(block % levels) : user_line(block % levels))) break;
       ++block;

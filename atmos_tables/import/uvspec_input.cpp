@@ -51,7 +51,7 @@ class InputReader {
  private:
   void read_file(const std::string& path, int depth) {
     const auto lines = read_lines(path);
-    for (std::size_t i = 0; i < lines.size() && problems_.lines().size() < kEnoughProblems; ++i) {
+    for (std::size_t i = 0; i < lines.size() && problems_.count() < kEnoughProblems; ++i) {
       here_ = {path, static_cast<int>(i) + 1, 0, ""};
       const std::string text = lines[i].substr(0, lines[i].find('#'));
       const Words words = split_blanks(text);

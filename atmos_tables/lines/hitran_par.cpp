@@ -85,7 +85,7 @@ class Reader {
   }
 
  private:
-  bool go_on() const { return problems_.lines().size() < imported::kEnoughProblems; }
+  bool go_on() const { return problems_.count() < imported::kEnoughProblems; }
   void fault(const std::string& what, const std::string& found, const std::string& way_out) {
     problems_.add({out_.file, static_cast<int>(std::min<std::uint64_t>(line_, kMaxLineNumber)), 0, ""}, what, found,
                   way_out);

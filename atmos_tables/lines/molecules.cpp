@@ -234,11 +234,11 @@ PartitionSums PartitionSums::read_csv(const std::string& file) {
                    "give HITRAN's number or a formula in lower case");
       return;
     }
-    const std::size_t before = problems.lines().size();
+    const std::size_t before = problems.count();
     const int isotopologue = need_whole(cells[1], where, "isotopologue", 1, kMostIsotopologues, problems);
     const Number temperature = need_number(cells[2], where, "temperature_K", problems);
     const Number q = need_number(cells[3], where, "q", problems);
-    if (problems.lines().size() != before || !temperature.good() || !q.good()) return;
+    if (problems.count() != before || !temperature.good() || !q.good()) return;
     if (!(temperature.value > 0 && q.value > 0)) {
       problems.add(where, "temperature and q must be above 0", line, "correct the row");
       return;

@@ -10,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/base/parallel.h"
+#include "host/products/radiance_unit.h"
 
 namespace raycube::analysis {
 namespace {
@@ -66,6 +67,14 @@ std::vector<std::size_t> bands_of(const BandChoice& choice, const products::Envi
   if (choice.numbers.empty() && choice.wavelengths_nm.empty())
     for (std::size_t b = 0; b < count; ++b)
       if (good(b)) out.insert(b);
+  if (out.empty() && !choice.wavelengths_nm.empty()) {
+    const std::vector<double> um = header.wavelength_um();
+    throw Error(Fault::input,
+                fmt::format("--wavelengths {}: in nm, and {} has no good band there (its bands lie at {:.6g} "
+                            "to {:.6g} nm)",
+                            choice.wavelengths_nm, path, 1e3 * *std::min_element(um.begin(), um.end()),
+                            1e3 * *std::max_element(um.begin(), um.end())));
+  }
   if (out.empty()) throw Error(Fault::input, path + ": no band is left of what is asked for");
   return {out.begin(), out.end()};
 }
@@ -167,6 +176,12 @@ void require_same_bands(const Cube& a, const Cube& b) {
                   fmt::format("band {} of {} is compared with band {} of {}; choose --bands that are alike",
                               a.band_text(i), a.path(), b.band_text(i), b.path()));
   }
+  const auto unit = products::radiance_of(a.header().data_units),
+             other_unit = products::radiance_of(b.header().data_units);
+  if (unit && other_unit && std::abs(*unit - *other_unit) > 1e-9 * *unit)
+    throw Error(Fault::input,
+                fmt::format("{} is in {}, {} in {}; bring them to one unit by 'data gain values' in a header", a.path(),
+                            a.header().data_units, b.path(), b.header().data_units));
 }
 
 void require_same_size(const Cube& a, std::int64_t samples, std::int64_t lines, const std::string& other) {

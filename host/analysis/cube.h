@@ -86,7 +86,7 @@ void for_each_part(const Cube& cube, const Pass& pass,
                    const std::function<void(std::size_t part, const Pixels& pixels)>& work);
 
 /// Two cubes that are compared band by band must have as many, and at the same wavelengths within 1 %, or of the same
-/// numbers where a header has none; Error(input) else.
+/// numbers where a header has none, and no two different units of radiance; Error(input) else.
 void require_same_bands(const Cube& a, const Cube& b);
 /// Two cubes of one scene must have as many samples, lines and bands; Error(input) else.
 void require_same_size(const Cube& a, std::int64_t samples, std::int64_t lines, const std::string& other);

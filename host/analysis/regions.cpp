@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/gdal_band.h"
 #include "host/base/gdal_library.h"
+#include "host/base/gdal_open.h"
 #include "host/base/input_file.h"
 #include "host/base/publication.h"
 
@@ -27,11 +29,10 @@ std::string gdal_reason() {
   return said.empty() ? "" : " (" + said + ")";
 }
 
-GdalDataset open(const std::string& file, unsigned kinds) {
+base::OpenedByGdal open(const std::string& file, unsigned kinds) {
   base::finish_publication_around(file);
   base::refuse_other_than_plain(file);
-  const base::QuietGdal quiet;
-  return GdalDataset(gdal().GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  return base::open_by_gdal(file, kinds);
 }
 
 [[noreturn]] void refuse(const std::string& text, const std::string& why) {
@@ -136,13 +137,13 @@ std::vector<double> layer_of(GDALDatasetH set, const std::string& file, const st
     throw Error(Fault::input, fmt::format("{}: has {} samples x {} lines, the image {} x {}; they must be of one size",
                                           file, columns, rows, samples, lines));
   const GDALRasterBandH band = gdal().GDALGetRasterBand(set, band_called(set, file, layer));
-  std::vector<double> out(static_cast<std::size_t>(samples * lines));
-  if (gdal().GDALRasterIO(band, GF_Read, 0, 0, columns, rows, out.data(), columns, rows, GDT_Float64, 0, 0) != CE_None)
+  std::vector<double> out;
+  std::vector<base::Pixel> known;
+  const base::QuietGdal quiet;
+  if (!base::read_rows(band, base::describe_band(band), 0, rows, out, known))
     throw Error(Fault::environment, file + ": could not be read" + gdal_reason());
-  int has = 0;
-  const double none = gdal().GDALGetRasterNoDataValue(band, &has), scale = gdal().GDALGetRasterScale(band, nullptr),
-               offset = gdal().GDALGetRasterOffset(band, nullptr);
-  for (double& v : out) v = has && v == none ? std::numeric_limits<double>::quiet_NaN() : v * scale + offset;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (known[i] != base::Pixel::sound) out[i] = std::numeric_limits<double>::quiet_NaN();
   return out;
 }
 
@@ -187,7 +188,7 @@ GdalDataset grid_of(const Cube& cube) {
                                              static_cast<int>(cube.lines()), 1, GDT_Byte, nullptr)
                          : nullptr);
   if (!out) throw Error(Fault::environment, "GDAL makes no raster in memory" + gdal_reason());
-  const GdalDataset like = open(products::find_envi_pair(cube.path()).data, GDAL_OF_RASTER);
+  const GdalDataset like = open(products::find_envi_pair(cube.path()).data, GDAL_OF_RASTER).set;
   double transform[6] = {0, 1, 0, 0, 0, 1};
   if (like && !cube.header().map_info.empty()) {
     gdal().GDALGetGeoTransform(like.get(), transform);
@@ -250,10 +251,10 @@ Region read_region(const std::string& text, const Cube& cube) {
   if (parse_rectangle(what, ends)) return rectangle(name, text, ends, cube);
   const auto at = std::filesystem::exists(what) ? std::string::npos : what.rfind('@');
   const std::string file = what.substr(0, at), condition = at == std::string::npos ? "" : what.substr(at + 1);
-  const GdalDataset set =
+  const auto [set, wrong] =
       open(is_envi(file) ? products::find_envi_pair(file).data : file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
   if (!set && !std::filesystem::exists(file)) refuse(text, file + " is no X0:X1,Y0:Y1, and no such file is there");
-  if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads" + gdal_reason());
+  if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads (" + wrong + ")");
   Region out = gdal().GDALGetRasterCount(set.get()) > 0 ? of_raster(name, text, set.get(), file, condition, cube)
                                                         : of_outlines(name, text, set.get(), file, condition, cube);
   if (out.spans().empty()) refuse(text, "no pixel is in it");
@@ -263,14 +264,14 @@ Region read_region(const std::string& text, const Cube& cube) {
 std::vector<double> read_layer(const std::string& file, const std::string& layer, std::int64_t samples,
                                std::int64_t lines) {
   if (is_envi(file)) return envi_layer(file, layer, samples, lines);
-  const GdalDataset set = open(file, GDAL_OF_RASTER);
-  if (!set) throw Error(Fault::input, file + ": is no raster that can be read" + gdal_reason());
+  const auto [set, wrong] = open(file, GDAL_OF_RASTER);
+  if (!set) throw Error(Fault::input, file + ": is no raster that can be read (" + wrong + ")");
   return layer_of(set.get(), file, layer, samples, lines);
 }
 
 std::vector<Region> read_classes(const std::string& file, const Cube& cube) {
-  const GdalDataset set = open(file, GDAL_OF_RASTER);
-  if (!set) throw Error(Fault::input, file + ": is no raster that can be read" + gdal_reason());
+  const auto [set, wrong] = open(file, GDAL_OF_RASTER);
+  if (!set) throw Error(Fault::input, file + ": is no raster that can be read (" + wrong + ")");
   const std::vector<double> value = layer_of(set.get(), file, "", cube.samples(), cube.lines());
   std::map<double, bool> values;
   for (const double v : value) {

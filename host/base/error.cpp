@@ -36,6 +36,19 @@ std::string printing(const std::string& text) {
   return out;
 }
 
+constexpr std::size_t kMostOfAKind = 20;
+
+/// A rule without the names and numbers that it is told with.
+std::string kind_of(const std::string& what) {
+  std::string out;
+  bool quoted = false;
+  for (const char c : what) {
+    if (c == '\'') quoted = !quoted;
+    if (!quoted && !(c >= '0' && c <= '9')) out += c;
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string Where::text() const {
@@ -47,6 +60,10 @@ std::string Where::text() const {
 }
 
 void Problems::add(const Where& where, const std::string& what, const std::string& found, const std::string& way_out) {
+  ++count_;
+  Kind& kind = kinds_[where.file + '\n' + kind_of(what)];
+  if (kind.count++ == 0) kind.file = where.file, kind.what = what;
+  if (kind.count > kMostOfAKind) return;
   std::string line = where.text();
   line += (line.empty() ? "" : ": ") + what;
   if (!found.empty()) line += " (found " + printing(found) + ")";
@@ -54,10 +71,24 @@ void Problems::add(const Where& where, const std::string& what, const std::strin
   lines_.push_back(std::move(line));
 }
 
+void Problems::tell(const Where& where, const std::string& what) {
+  const std::string place = where.text();
+  notices_.push_back(place + (place.empty() ? "" : ": ") + what);
+}
+
+std::vector<std::string> Problems::lines() const {
+  std::vector<std::string> out = lines_;
+  for (const auto& [key, kind] : kinds_)
+    if (kind.count > kMostOfAKind)
+      out.push_back(kind.file + (kind.file.empty() ? "" : ": ") + "and " + std::to_string(kind.count - kMostOfAKind) +
+                    " more like \"" + kind.what + "\"");
+  return out;
+}
+
 void Problems::throw_if_any() const {
-  if (lines_.empty()) return;
+  if (count_ == 0) return;
   std::string text;
-  for (const auto& line : lines_) text += (text.empty() ? "" : "\n") + line;
+  for (const auto& line : lines()) text += (text.empty() ? "" : "\n") + line;
   throw Error(Fault::input, text);
 }
 

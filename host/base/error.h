@@ -3,6 +3,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -39,18 +40,30 @@ struct Where {
   std::string text() const;
 };
 
-/// Collects every problem found in the input so that one run reports them all.
+/// Collects every problem found in the input so that one run reports them all: of a kind the first 20 in a file, and
+/// how many more. A kind is a rule, whatever names and numbers it is told with.
 class Problems {
  public:
   /// what: the rule that was broken; found: the offending value; way_out: what the user can do.
   void add(const Where& where, const std::string& what, const std::string& found, const std::string& way_out);
-  bool empty() const { return lines_.empty(); }
-  const std::vector<std::string>& lines() const { return lines_; }
+  /// What is no problem but should be known: how a declaration of a file was taken, what was left out.
+  void tell(const Where& where, const std::string& what);
+  const std::vector<std::string>& notices() const { return notices_; }
+  bool empty() const { return count_ == 0; }
+  /// Of all problems, told or not.
+  std::size_t count() const { return count_; }
+  std::vector<std::string> lines() const;
   /// Throws one Error(Fault::input) that lists them all; does nothing when there are none.
   void throw_if_any() const;
 
  private:
-  std::vector<std::string> lines_;
+  struct Kind {
+    std::size_t count = 0;
+    std::string file, what;
+  };
+  std::size_t count_ = 0;
+  std::vector<std::string> lines_, notices_;
+  std::map<std::string, Kind> kinds_;
 };
 
 }  // namespace raycube::base

@@ -24,8 +24,10 @@ struct Gdal {
 #undef RAYCUBE_GDAL
 };
 
-/// The GDAL whose headers we were compiled with, with all its drivers; loaded once, whichever thread asks first. Throws
-/// Error(environment) where it cannot be. A child process that shall read has it from its parent, which asks before.
+/// The GDAL whose headers we were compiled with, with the drivers of gdal_drivers.def alone: files come from strangers,
+/// and some drivers fetch addresses or run code that a file names. Nothing is read over a network. Loaded once,
+/// whichever thread asks first. Throws Error(environment) where it cannot be. A child process that shall read has it
+/// from its parent, which asks before.
 const Gdal& gdal();
 
 /// Its functions from a library of any name; registers no drivers. For gdal(), and for tests of its errors.

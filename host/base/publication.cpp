@@ -46,10 +46,20 @@ std::string journal_of(const std::string& folder) {
   return folder + "/" + kJournalName + (shared ? "-" + std::to_string(::geteuid()) : "");
 }
 
-/// Why what stands there is no journal that this user left; empty: it is one.
+/// Number of a folder in its file system; 0: there is none.
+std::uint64_t number_of(const std::string& folder) {
+  struct stat status {};
+  return ::stat(folder.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_ino) : 0;
+}
+
+/// Why what stands there is no journal that this user left in this folder; empty: it is one, or cannot be read, which
+/// is told later. A journal names its folder's number: one that was unpacked or copied with a folder stands in another.
 std::string why_not_own(const std::string& journal) {
   try {
-    read_own_file(journal);
+    const auto json = nlohmann::json::parse(shallow_json(read_own_file(journal)), nullptr, false);
+    const auto folder = fs::path(journal).parent_path().string();
+    if (json.is_object() && json.value("folder", nlohmann::json()) != nlohmann::json(number_of(folder)))
+      return "it was left in another folder, and came with a copy of it";
     return "";
   } catch (const std::runtime_error& reason) {
     return reason.what();
@@ -112,8 +122,9 @@ void Publication::write_journal() const {
         {list_.files[i].first, list_.files[i].second, marks_[i].bytes, marks_[i].inode, marks_[i].modified_ns});
   OutputFile out(journal_, IfExists::replace);
   ::chmod(out.temporary_path().c_str(), 0600);  // whatever the umask: one that others may write is not obeyed
-  out.append(nlohmann::json{{"replace", list_.replace}, {"files", files}, {"remove", list_.remove}}.dump(
-      -1, ' ', false, nlohmann::json::error_handler_t::replace));
+  out.append(nlohmann::json{
+      {"folder", number_of(folder_)}, {"replace", list_.replace}, {"files", files}, {"remove", list_.remove}}
+                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   out.publish();
 }
 

@@ -10,8 +10,9 @@
 // no record, and the next run into the folder, or the next look at it with this program, goes through step 3
 // again from its beginning, which ends the same. The journal knows each temporary by its size, number and
 // time, so that a file that has its name already is told from one that is lost: then no record gets its name.
-// A journal is obeyed only where it is a plain file of this user's own that nobody else may write: whoever
-// left another may run the program themselves. A folder with the sticky bit (/tmp) has one for each user.
+// A journal is obeyed only where it is a plain file of this user's own that nobody else may write, in the folder
+// that it was written for: whoever left another may run the program themselves, and one that came with an
+// archive asks for what its maker wants. A folder with the sticky bit (/tmp) has one for each user.
 #pragma once
 
 #include <cstdint>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cctype>
+#include <cstddef>
 #include <string>
 
 namespace raycube::base {
@@ -10,6 +11,11 @@ namespace raycube::base {
 inline std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
+}
+
+/// "1 notice", "2 notices".
+inline std::string counted(std::size_t number, const std::string& noun) {
+  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
 }
 
 /// As XML and HTML have it between tags and in quotes.

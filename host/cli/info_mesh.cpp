@@ -20,16 +20,18 @@ namespace {
 constexpr std::array kMeshEndings = {".obj", ".ply", ".stl", ".gltf", ".glb", ".dae", ".fbx", ".3ds", ".off"};
 
 struct MeshBox {
-  std::array<float, 3> low, high;
+  std::array<double, 3> low, high;
 };
 
 /// Of the vertices, in the file's own unit and axes.
-MeshBox box_of(const scene::TriangleMesh& mesh) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
+MeshBox box_of(const scene::MeshFile& file) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   MeshBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (const auto& vertex : mesh.vertices)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      out.low[axis] = std::min(out.low[axis], vertex[axis]), out.high[axis] = std::max(out.high[axis], vertex[axis]);
+  for (const auto& vertex : file.mesh.vertices)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double at = double(vertex[axis]) + file.centre_m[axis];
+      out.low[axis] = std::min(out.low[axis], at), out.high[axis] = std::max(out.high[axis], at);
+    }
   return out;
 }
 
@@ -46,7 +48,7 @@ std::size_t placed_in_images(const scene::MeshFile& file) {
 }
 
 nlohmann::ordered_json mesh_json(const std::string& path, const scene::MeshFile& file) {
-  const MeshBox box = box_of(file.mesh);
+  const MeshBox box = box_of(file);
   const auto triangles = triangles_of_parts(file);
   nlohmann::ordered_json out = {{"kind", "mesh"},
                                 {"file", path},
@@ -67,14 +69,16 @@ nlohmann::ordered_json mesh_json(const std::string& path, const scene::MeshFile&
 }
 
 void print_mesh(std::ostream& out, const std::string& path, const scene::MeshFile& file) {
-  const MeshBox box = box_of(file.mesh);
+  const MeshBox box = box_of(file);
   out << fmt::format("{}: mesh\n", path);
   out << fmt::format("  size          {} vertices, {} faces{}, {} triangles\n", file.mesh.vertices.size(), file.faces,
                      file.dropped_faces > 0 ? fmt::format(" ({} without area)", file.dropped_faces) : "",
                      file.mesh.triangles.size());
   for (std::size_t axis = 0; axis < 3; ++axis)
-    out << fmt::format("  {}             {:g} to {:g}, in the file's unit\n", "xyz"[axis], box.low[axis],
-                       box.high[axis]);
+    out << fmt::format("  {}             {:g} to {:g} m\n", "xyz"[axis], box.low[axis], box.high[axis]);
+  out << fmt::format("  frame         {} up{}, one unit is {:g} m{}\n", file.up,
+                     file.declared.up ? "" : " ([[mesh]] up may say otherwise)", file.unit_m,
+                     file.declared.unit_m ? "" : " (unit_m may say otherwise)");
   out << fmt::format("  in images     {} of the vertices have texture coordinates\n", placed_in_images(file));
   out << fmt::format("  {:>9}  {}\n", "triangles", "names that [[mesh]] materials may use, the first given counts");
   const auto triangles = triangles_of_parts(file);
@@ -94,7 +98,7 @@ bool is_mesh_file(const std::string& path) {
 
 void print_mesh_info(Invocation& invocation, const std::string& path) {
   base::Problems problems;
-  const auto file = scene::read_mesh_file(path, 1, false, false, {path, 0, 0, ""}, problems);
+  const auto file = scene::read_mesh_file(path, {}, {path, 0, 0, ""}, problems);
   problems.throw_if_any();
   if (invocation.common.json)
     invocation.out << mesh_json(path, *file).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)

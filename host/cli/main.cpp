@@ -6,6 +6,9 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "host/base/crash_report.h"
 #include "host/base/doing.h"
@@ -45,7 +48,11 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
   using namespace raycube;
   const auto verbs = cli::all_verbs();
   cli::CommonOptions values;
-  const auto parsed = cli::parse_command_line(argc, argv, verbs, values);
+  // "help render" is "render --help".
+  std::vector<char*> words(argv, argv + argc);
+  std::string flag = "--help";
+  if (argc > 1 && std::string_view(argv[1]) == "help") words.erase(words.begin() + 1), words.push_back(flag.data());
+  const auto parsed = cli::parse_command_line(argc, words.data(), verbs, values);
   int status = 0;
   if (!parsed.verb) {
     std::cout << parsed.text;

@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
+#include "host/products/radiance_unit.h"
 #include "host/run/cube_products.h"
 #include "host/run/explain_pixel.h"
 #include "host/run/input_check.h"
@@ -19,7 +20,7 @@
 namespace raycube::cli {
 namespace {
 
-constexpr const char* kRadianceUnit = "W m-2 sr-1 um-1";
+using products::kRadianceUnit;
 
 struct ExplainRequest {
   std::string file, instrument, pixel;

@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
+#include "host/products/radiance_unit.h"
 #include "host/run/camera_job.h"
 #include "host/run/load_job.h"
 #include "host/run/measured_cube.h"
@@ -57,6 +58,21 @@ void check_fits(const products::EnviHeader& h, const scene::Instrument& instrume
                                     1e3 * um[b], instrument.name, 1e3 * instrument.bands[b].center_um));
 }
 
+/// Our unit of radiance over the cube's, which is refused where it is none and taken for ours, with a warning, where
+/// the header names none.
+double radiance_per_unit(const products::EnviHeader& header, const std::string& path, run::Services& services) {
+  if (header.data_units.empty()) {
+    services.log.warning(path + ": its header names no data units; they are taken as " + products::kRadianceUnit);
+    return 1;
+  }
+  const auto factor = products::radiance_of(header.data_units);
+  if (!factor)
+    throw base::Error(base::Fault::input, fmt::format("{}: its data units are no radiance by wavelength (found '{}'); "
+                                                      "correct 'data units' in its header, like {}",
+                                                      path, header.data_units, products::kRadianceUnit));
+  return *factor;
+}
+
 int noise(const NoiseRequest& request, Invocation& invocation) {
   run::Services services = services_of(invocation);
   const scene::Simulation simulation =
@@ -67,14 +83,16 @@ int noise(const NoiseRequest& request, Invocation& invocation) {
   base::OutputSet set(invocation.common.output.empty() ? "noise" : invocation.common.output,
                       if_exists(invocation.common));
   if (invocation.common.overwrite) set.replaces({"measured.img", "measured.hdr", "detector.csv", "bad_elements.csv"});
+  const double factor = radiance_per_unit(cube.header(), request.cube, services);
   const auto read = [&](std::int64_t first, std::int64_t lines, float* to) {
     analysis::Pixels pixels;
     cube.read(first, lines, pixels);
     for (std::size_t p = 0; p < pixels.count(); ++p)
       for (std::size_t b = 0; b < pixels.bands; ++b)
-        to[p * pixels.bands + b] = pixels.counts[p] ? static_cast<float>(pixels.at(p)[b]) : NAN;
+        to[p * pixels.bands + b] = pixels.counts[p] ? static_cast<float>(factor * pixels.at(p)[b]) : NAN;
   };
   products::EnviHeader header = cube.header();
+  header.data_units = products::kRadianceUnit;
   header.header_offset = 0, header.data_gain.clear(), header.data_offset.clear(), header.warnings.clear();
   header.data_ignore_value.reset(), header.reflectance_scale_factor.reset();
   if (!header.wavelength.empty() && header.wavelength_um().empty()) header.wavelength.clear(), header.fwhm.clear();
@@ -111,7 +129,7 @@ Verb verb_noise() {
   verb.common = kOutput | kSeed | kThreads | kSet;
   verb.output_default = "noise";
   verb.add_options = [o](base::OptionTable& table) {
-    table.argument("CUBE", "A cube of radiance, W m-2 sr-1 um-1: its data file or its header", o->cube);
+    table.argument("CUBE", "A cube of radiance, in the data units of its header: its data file or its header", o->cube);
     table.argument("FILE", "The simulation file whose instrument has the detector", o->file);
     table.text("--instrument", "NAME", "Which of its instruments", o->instrument).default_text =
         "the one that has a detector";

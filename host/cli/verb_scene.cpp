@@ -3,6 +3,7 @@
 #include <ostream>
 
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/run/input_check.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/compiled_file.h"
@@ -65,8 +66,9 @@ Verb verb_scene_check() {
     if (invocation.common.json)
       invocation.out << simulation.resolved_json << "\n";
     else
-      invocation.out << o->file << ": sound; " << simulation.instruments.size() << " instruments, "
-                     << simulation.notices.size() + notices.size() << " notices\n";
+      invocation.out << o->file << ": sound; " << base::counted(simulation.instruments.size(), "instrument") << ", "
+                     << base::counted(simulation.lidars.size(), "LIDAR") << ", "
+                     << base::counted(simulation.notices.size() + notices.size(), "notice") << "\n";
     return 0;
   };
   return verb;

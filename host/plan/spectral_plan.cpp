@@ -19,6 +19,8 @@ namespace raycube::plan {
 
 namespace {
 
+constexpr double kLeastFwhm = 1e-6;  ///< FWHM of a band over its centre: grids of wavelengths merge 1e-9 um
+
 /// Adds one problem for all bands whose support leaves lo..hi (um).
 void check_range(base::Problems& problems, const base::Where& where, const std::vector<scene::Band>& bands, double lo,
                  double hi, const std::string& what, const std::string& way_out) {
@@ -61,6 +63,10 @@ void check_bands(const scene::Instrument& instrument, base::Problems& problems) 
       problems.add(where, fmt::format("band {} needs a centre and a FWHM above 0", b + 1),
                    fmt::format("centre {:g} nm, FWHM {:g} nm", 1000 * band.center_um, 1000 * band.fwhm_um),
                    "or give a tabulated response");
+    else if (band.wavelength_um.size() < 2 && band.fwhm_um < kLeastFwhm * band.center_um)
+      problems.add(where, fmt::format("band {} is narrower than any spectrum is known", b + 1),
+                   fmt::format("centre {:g} nm, FWHM {:g} nm", 1000 * band.center_um, 1000 * band.fwhm_um),
+                   "give a FWHM of at least a millionth of the centre");
   }
 }
 

@@ -125,12 +125,15 @@ void EnviWriter::count_clipped(const Strip& strip, float scale) {
   for (std::size_t p = 0; p < pixels; ++p) {
     const float* const pixel = strip.values + p * stride;
     std::uint32_t low = 0, high = 0, nan = 0;
+    float largest = 0;
     for (std::size_t b = 0; b < bands; ++b) {
       const float scaled = pixel[b] * scale;
       low += scaled < -0.5f;
       high += scaled >= 65535.5f;
       nan += scaled != scaled;
+      largest = std::max(largest, pixel[b]);
     }
+    clipped_.largest = std::max(clipped_.largest, static_cast<double>(largest));
     clipped_.low += low, clipped_.high += high, clipped_.nan += nan;
   }
 }

@@ -32,6 +32,7 @@ struct ClippedSamples {
   std::uint64_t low = 0;   ///< below 0, written as 0
   std::uint64_t high = 0;  ///< above 65535 / scale, written as 65535
   std::uint64_t nan = 0;   ///< not a number, written as 0
+  double largest = 0;      ///< of all values, as they came
 };
 
 class EnviWriter {

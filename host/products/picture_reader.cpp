@@ -15,7 +15,9 @@
 #include <ImathBox.h>
 
 #include "host/base/error.h"
+#include "host/base/gdal_band.h"
 #include "host/base/gdal_library.h"
+#include "host/base/gdal_open.h"
 #include "host/base/text.h"
 
 namespace raycube::products {
@@ -146,17 +148,15 @@ BandStatistics statistics_of(GDALRasterBandH band, const std::string& path,
                              const std::function<void(std::int64_t)>& after_lines) {
   BandStatistics out;
   const int width = gdal().GDALGetRasterBandXSize(band), height = gdal().GDALGetRasterBandYSize(band);
-  int has_ignored = 0;
-  const double ignored = gdal().GDALGetRasterNoDataValue(band, &has_ignored);
   const int step = static_cast<int>(std::min<std::int64_t>(height, lines_at_once(width)));
-  std::vector<double> values(static_cast<std::size_t>(step) * static_cast<std::size_t>(width));
+  const base::GdalBand described = base::describe_band(band);
+  std::vector<double> values;
+  std::vector<base::Pixel> known;
   for (int line = 0; line < height; line += step) {
     const int lines = std::min(step, height - line);
-    if (gdal().GDALRasterIO(band, GF_Read, 0, line, width, lines, values.data(), width, lines, GDT_Float64, 0, 0) !=
-        CE_None)
-      throw gdal_error(path);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(lines) * static_cast<std::size_t>(width); ++i) {
-      if (has_ignored && values[i] == ignored)
+    if (!base::read_rows(band, described, line, lines, values, known)) throw gdal_error(path);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (known[i] == base::Pixel::missing && std::isfinite(values[i]))
         ++out.ignored;
       else
         add_value(out, values[i]);
@@ -168,10 +168,9 @@ BandStatistics statistics_of(GDALRasterBandH band, const std::string& path,
 
 Picture read_raster_picture(const std::string& path, bool header_only,
                             const std::function<void(std::int64_t)>& after_lines) {
+  const auto [set, wrong] = base::open_by_gdal(path);
+  if (!set) throw Error(Fault::input, path + ": GDAL cannot read it: " + wrong);
   const base::QuietGdal quiet;
-  const base::GdalDataset set(
-      gdal().GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
-  if (!set) throw gdal_error(path);
   Picture out;
   const GDALDriverH driver = gdal().GDALGetDatasetDriver(set.get());
   const char* format = gdal().GDALGetMetadataItem(driver, GDAL_DMD_LONGNAME, "");

@@ -27,6 +27,7 @@
 #include "host/products/in_order.h"
 #include "host/products/map_grid.h"
 #include "host/products/quicklook.h"
+#include "host/products/radiance_unit.h"
 #include "host/render/truth.h"
 #include "host/base/units.h"
 
@@ -154,7 +155,7 @@ struct CubeProducts::State {
                                           origin.epsg, origin.easting_m, origin.northing_m, origin.height_m);
     radiance.emplace(
         set, "radiance.img",
-        cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
+        cube_header(simulation, instrument, shown, products::kRadianceUnit,
                     "band-averaged spectral radiance at the sensor, response normalised; line 0 is the top"),
         instrument.integer_scale);
     products::EnviHeader truth_header = base_header(simulation, instrument);
@@ -179,7 +180,7 @@ struct CubeProducts::State {
     });
     if (instrument.standard_error == scene::StandardError::bands)
       standard_error.emplace(set, "standard_error.img",
-                             cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
+                             cube_header(simulation, instrument, shown, products::kRadianceUnit,
                                          "standard error of the radiance by its samples; not a number: not known"));
     if (instrument.write_png) quicklook.emplace(instrument.pixels, instrument.lines, shown);
     if (instrument.write_exr) {
@@ -410,6 +411,14 @@ void CubeProducts::publish(products::RunRecord& record, const Services& services
   record.clipped_low = clipped.low;
   record.clipped_high = clipped.high;
   record.not_a_number = clipped.nan;
+  if (clipped.low + clipped.high > 0) {
+    record.warnings.push_back(
+        fmt::format("{} of the values of radiance.img do not fit 16 bits at integer_scale = {:g} ({} above, {} below "
+                    "0) and are cut{}",
+                    clipped.low + clipped.high, *s.instrument.integer_scale, clipped.high, clipped.low,
+                    clipped.high > 0 ? fmt::format("; {:.3g} would hold them", 65535 / clipped.largest) : ""));
+    services.log.warning(s.instrument.name + ": " + record.warnings.back());
+  }
   products::publish_run(s.set, record);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/doing.h"
@@ -23,6 +24,7 @@
 #include "host/plan/table_spectra.h"
 #include "host/plan/thermal_plan.h"
 #include "host/plan/thermal_use.h"
+#include "host/sensors/detector.h"
 #include "host/sensors/psf.h"
 #include "host/sensors/view_bounds.h"
 #include "scene_compiler/matter.h"
@@ -54,6 +56,7 @@ class Found {
   void notice(const scene::Instrument& instrument, const std::vector<std::string>& texts) {
     for (const auto& text : texts) notices_.push_back(instrument.name + ": " + text);
   }
+  void notice(const std::string& text) { notices_.push_back(text); }
   void throw_if_any() const {
     if (lines_.empty()) return;
     std::string text;
@@ -113,6 +116,14 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   if (bands) plan::check_curves(simulation.scene, instrument, problems, files);
   found.add(problems);
   found.part([&] { static_cast<void>(sensors::SampleWeights(instrument)); });
+  // The detector's tables, which measure the radiance once it is there. Elements are left out: a framing camera's are
+  // made as they are read.
+  if (instrument.detector && bands)
+    found.part([&] {
+      scene::Instrument framing = instrument;
+      framing.kind = scene::InstrumentKind::framing;
+      static_cast<void>(sensors::Detector(framing, 0, std::vector<double>(instrument.bands.size(), 1.0)));
+    });
   plan::ViewBounds view;
   if (!found.part([&] { view = sensors::view_bounds(instrument); }) || !bands) return;
   const AirRequest request = air_request(simulation, instrument, view.sensor_height_m);
@@ -176,6 +187,24 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
   if (sound && background && has_background(simulation, lidar)) check_background(simulation, plan, files, found);
 }
 
+/// Where the built-in air says less and less: plane-parallel, and without twilight.
+void check_low_sun(const scene::Simulation& simulation, Found& found) {
+  constexpr double kLow_deg = 86, kHorizon_deg = 90, kTwilight_deg = 96;
+  const auto& air = simulation.atmosphere;
+  const double zenith_deg = simulation.sun.zenith_deg;
+  if (air.none || !air.table_file.empty() || zenith_deg < kLow_deg || zenith_deg >= kTwilight_deg) return;
+  if (zenith_deg >= kHorizon_deg)
+    found.notice(
+        fmt::format("the sun stands {:.3g} deg below the horizon: the built-in air has no twilight, and no light "
+                    "of the sun",
+                    zenith_deg - kHorizon_deg));
+  else if (!air.layered)
+    found.notice(
+        fmt::format("the sun stands {:.3g} deg above the horizon: the sky of clear_sky is too dark below 4 deg (17 "
+                    "times at 0.1 deg, where 'layered' has 1.9 W m-2 sr-1 um-1); use model = \"layered\"",
+                    kHorizon_deg - zenith_deg));
+}
+
 }  // namespace
 
 std::vector<std::string> check_inputs(const scene::Simulation& simulation,
@@ -186,6 +215,7 @@ std::vector<std::string> check_inputs(const scene::Simulation& simulation,
   const auto files = curve_files(simulation);
   for (const auto* instrument : instruments) check_instrument(simulation, *instrument, files, found);
   for (const auto* lidar : lidars) check_lidar(simulation, *lidar, files, background, found);
+  if (!instruments.empty()) check_low_sun(simulation, found);
   found.throw_if_any();
   return found.notices();
 }

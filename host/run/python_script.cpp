@@ -15,7 +15,9 @@ extern char** environ;
 namespace raycube::run {
 
 bool run_python(const std::string& python, const std::vector<std::string>& arguments, const std::string& needed) {
-  std::vector<char*> words = {const_cast<char*>(python.c_str())};
+  // Isolated: a module is taken from the installation, not from the folder where a stranger's scene was unpacked, nor
+  // from where PYTHONPATH says.
+  std::vector<char*> words = {const_cast<char*>(python.c_str()), const_cast<char*>("-I")};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   pid_t child = 0;

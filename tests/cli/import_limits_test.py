@@ -170,7 +170,7 @@ with tempfile.TemporaryDirectory() as work:
     # `scene check` says the same, in the same words, and counts it; what it refuses it refuses in the render's words.
     told = run("scene", "check", work / "plane.toml")
     check(warnings(told.stderr) == warnings(done.stderr) != [] and "sound" in told.stdout, told.stderr, done.stderr)
-    check(f"{len(warnings(told.stderr))} notices" in told.stdout, told.stdout)
+    check(f", {len(warnings(told.stderr))} notice" in told.stdout, told.stdout)
     aside = plane(work, work / "a.rct", pitch=40)
     says = ["instrument 'camera'", "one view zenith, 0 deg", "to 40.1", "deg off nadir", "import runs"]
     for verb in (["render", aside, "-o", out, "--overwrite"], ["scene", "check", aside]):

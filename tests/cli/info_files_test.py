@@ -113,8 +113,8 @@ f 2 3 4
 
 
 def gltf(path):
-    """One triangle, hung twice: from a node Trunk below Tree, and from Crown."""
-    data = struct.pack("<9f3H", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 2)
+    """One triangle, y up as the format is, hung twice: from a node Trunk below Tree, and from Crown."""
+    data = struct.pack("<9f3H", 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 1, 2)
     path.write_text(json.dumps({
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -122,7 +122,7 @@ def gltf(path):
         "nodes": [
             {"name": "Tree", "children": [1]},
             {"name": "Trunk", "mesh": 0},
-            {"name": "Crown", "mesh": 0, "translation": [0, 0, 2]},
+            {"name": "Crown", "mesh": 0, "translation": [0, 2, 0]},
         ],
         "meshes": [{"name": "cone", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
         "buffers": [{"byteLength": len(data),
@@ -130,7 +130,7 @@ def gltf(path):
         "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 36},
                         {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, -1], "max": [1, 0, 0]},
             {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
         ],
     }))

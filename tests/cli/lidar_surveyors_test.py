@@ -152,7 +152,7 @@ def packed_points(work):
         check(not (work / "none").exists(), "something was written")
     # A Python that has both by its word, and compresses nothing: the run is whole all the same.
     python = work / "python"
-    python.write_text('#!/bin/sh\n[ "$1" = -c ]\n')
+    python.write_text('#!/bin/sh\n[ "$1 $2" = "-I -c" ]\n')
     python.chmod(0o755)
     for las in (True, False):
         products = "laz = true\nwaveforms = false" + ("" if las else "\nlas = false")

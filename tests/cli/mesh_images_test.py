@@ -143,7 +143,8 @@ def check_formats(folder, material):
     (folder / "feed.ply").write_bytes(text.encode() + vertices.tobytes() + numbers)
     (folder / "feeds.ply").write_bytes(text.replace("\n", "\r\n").encode() + vertices.tobytes() + numbers)
     hanging = [(u, 1 - v) for u, v in TURNED]
-    blob = numpy.array(square(), "<f4").tobytes() + numpy.array(hanging, "<f4").tobytes()
+    y_up = numpy.array(square(), "<f4")[:, [0, 2, 1]] * [1, 1, -1]  # as glTF has it
+    blob = y_up.astype("<f4").tobytes() + numpy.array(hanging, "<f4").tobytes()
     blob += numpy.array([0, 1, 2, 0, 2, 3], "<u2").tobytes()
     views = [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in ((0, 48), (48, 32), (80, 12))]
     kinds = (("VEC3", 5126, 4), ("VEC2", 5126, 4), ("SCALAR", 5123, 6))
@@ -151,7 +152,7 @@ def check_formats(folder, material):
         {"bufferView": i, "componentType": c, "count": n, "type": t} for i, (t, c, n) in enumerate(kinds)
     ]
     half = SIZE / 2
-    accessors[0] |= {"min": [-half, -half, 0], "max": [half, half, 0]}
+    accessors[0] |= {"min": [-half, 0, -half], "max": [half, 0, half]}
     primitive = {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2}
     (folder / "card.gltf").write_text(
         json.dumps(

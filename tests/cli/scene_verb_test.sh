@@ -6,7 +6,7 @@ rm -rf "$work" && mkdir -p "$work"
 fail() { echo "FAILED: $1"; exit 1; }
 
 "$raycube" scene check "$scenes/panels/panels.toml" >"$work/check" 2>&1 || fail "check of a sound file ended with $?"
-grep -q 'sound; 1 instruments, 0 notices' "$work/check" || fail "check said: $(cat "$work/check")"
+grep -q 'sound; 1 instrument, 0 LIDARs, 0 notices' "$work/check" || fail "check said: $(cat "$work/check")"
 
 # The compiled file holds what the simulation file gives: same content hash, same counts.
 "$raycube" scene info "$scenes/panels/panels.toml" >"$work/from_toml" || fail "info of a simulation file"

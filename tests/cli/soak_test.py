@@ -45,7 +45,7 @@ def soak(source, test, *arguments, status, says, patience_s=patience.LIMIT_S):
 
 source = pathlib.Path(sys.argv[1])
 soak(source, "exit 0\n", "--runs", "8", status=0, says="8 runs of 1 tests passed")
-soak(source, "exit 77\n", "--runs", "3", status=0, says="3 runs of 1 tests passed")
+soak(source, "exit 77\n", "--runs", "3", status=1, says="3 runs were skipped and show nothing (0 passed): render_x")
 soak(source, "exit 0\n", "--runs", "1", "--seconds", "3600", status=0, says="1 runs of 1 tests passed")
 soak(source, "echo it failed; exit 5\n", "--runs", "8", status=1, says="FAILED with status 5")
 soak(source, "exec sleep 3600\n", "--runs", "2", status=1, says="FAILED with status 124", patience_s=2)

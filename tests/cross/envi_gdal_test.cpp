@@ -13,6 +13,7 @@
 #include "host/products/envi_reader.h"
 #include "host/products/envi_writer.h"
 #include "tests/unit/test_folder.h"
+#include "tests/support/skipped.h"
 
 using namespace raycube;
 using namespace raycube::products;
@@ -88,7 +89,7 @@ std::string write_cube(const TestFolder& folder, const EnviHeader& h, std::int64
 const char* shared_folder() {
   const char* folder = std::getenv("RAYCUBE_SHARED");
   if (folder && *folder) return folder;
-  MESSAGE("SKIPPED: RAYCUBE_SHARED is not set, real ENVI files are not read");
+  raycube::testing::skip_part("real ENVI files are not read");
   return nullptr;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <iostream>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "scene_compiler/air_wavelength.h"
 #include "scene_compiler/leaf_optics.h"
 #include "scene_compiler/spectrum_file.h"
+#include "tests/support/skipped.h"
 
 namespace {
 
@@ -149,7 +149,7 @@ TEST_CASE("leaf: wavelengths in air become those in vacuum, from 0.4 um on") {
 TEST_CASE("leaf: measured leaves are met by a content that leaves have") {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (!shared) {
-    std::cerr << "leaf_optics: SKIPPED measured leaves: RAYCUBE_SHARED is not set\n";
+    raycube::testing::skip_part("measured leaves were not met");
     return;
   }
   // LOPEX93 (Hosgood et al. 1995), means of leaves of beech, birch and alfalfa; contents by least squares with prosail,

@@ -266,7 +266,7 @@ TEST_CASE("S21 measured: what a file lacks or has twice is told with its line") 
   says("light_zenith_deg,view_zenith_deg,relative_azimuth_deg,550nm,R650nm\n1,1,1,1,1\n",
        {"'r650nm' names no wavelength"});
   says("light_zenith_deg,view_zenith_deg,relative_azimuth_deg,view_zenith_deg,factor\n1,1,1,1,1\n",
-       {"two columns 'view_zenith_deg'"});
+       {"two columns have one name", "view_zenith_deg"});
   says("light_zenith_deg,relative_azimuth_deg,factor\n1,1,1\n", {"no column 'view_zenith_deg'"});
   says("light_zenith_deg,view_zenith_deg,relative_azimuth_deg,brf\n1,1,1,1\n", {"no column of factors"});
   says("light_zenith_deg,view_zenith_deg,relative_azimuth_deg,factor,550nm\n1,1,1,1,1\n", {"'factor' and factors"});

@@ -1,8 +1,8 @@
 #include "tests/support/anchor_rows.h"
+#include "tests/support/skipped.h"
 
 #include <cstdlib>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 #include <stdexcept>
 
@@ -11,7 +11,7 @@ namespace raycube::testing {
 std::vector<AnchorCells> anchor_cells(const std::string& name, const std::string& not_shown) {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (!shared) {
-    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, " << not_shown << "\n";
+    skip_part(not_shown);
     return {};
   }
   std::ifstream file(std::string(shared) + "/reference/atmosphere/" + name);

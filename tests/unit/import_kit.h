@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <iostream>
 #include <stdexcept>
 #include <string>
 
@@ -14,6 +13,7 @@
 #include "host/base/error.h"
 #include "tests/support/refusal.h"
 #include "tests/unit/test_folder.h"
+#include "tests/support/skipped.h"
 
 namespace raycube::testing {
 
@@ -30,7 +30,7 @@ inline std::string replaced(std::string text, const std::string& from, const std
 inline std::string samples(const std::string& what) {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (shared) return std::string(shared) + "/reference/atmosphere/samples/" + what + "/";
-  std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, the real samples of " << what << " were not read\n";
+  skip_part("the real samples of " + what + " were not read");
   return {};
 }
 

@@ -18,6 +18,15 @@ namespace {
 /// What any journal says that would have thesis.txt removed and another file named.
 const char* const kTempting = R"({"replace":true,"files":[["new","run.json",3,1,1]],"remove":["thesis.txt"]})";
 
+/// A journal's text as it stands in a folder: with its number.
+std::string in_place(const std::string& folder, const std::string& text) {
+  struct stat status {};
+  REQUIRE(::stat(folder.c_str(), &status) == 0);
+  return text.starts_with("{\"replace\"")
+             ? "{\"folder\":" + std::to_string(static_cast<std::uint64_t>(status.st_ino)) + "," + text.substr(1)
+             : text;
+}
+
 /// Nothing of the folder is read, removed or named, by whoever only looks.
 void check_ignored(const TestFolder& folder) {
   const Names before = folder.names();
@@ -39,13 +48,13 @@ TEST_CASE("a journal that was tampered with reaches nothing outside its folder")
         R"({"replace":true,"files":[["a","b"]],"remove":[]})", R"({"replace":true,"files":[],"remove":["../victim"]})",
         "{", "", "[1]", R"({"replace":1,"files":[["a","b",4,1,1]],"remove":[]})"}) {
     CAPTURE(text);
-    folder.write(std::string("in/") + kJournalName, text);
+    folder.write(std::string("in/") + kJournalName, in_place(folder / "in", text));
     CHECK(error_of([&] { finish_publication(folder / "in"); }).find("cannot be read") != std::string::npos);
     CHECK(folder.read("victim") == "mine");
   }
   folder.write("in/a", "new");
   folder.write(std::string("in/") + kJournalName,
-               R"({"replace":true,"files":[["a","b",3,1,1]],"remove":["../victim"]})");
+               in_place(folder / "in", R"({"replace":true,"files":[["a","b",3,1,1]],"remove":["../victim"]})"));
   CHECK(finish_publication(folder / "in"));
   CHECK(folder.read("victim") == "mine");
 }
@@ -59,7 +68,10 @@ TEST_CASE("a journal that this user did not leave is obeyed by nobody and waited
   std::vector<std::pair<std::function<void()>, std::string>> ways = {
       {[&] { REQUIRE(::mkfifo(journal.c_str(), 0600) == 0); }, "it is no regular file"},
       {[&] { fs::create_symlink(folder / "elsewhere", journal); }, "it cannot be opened"},
-      {[&] { folder.write(kJournalName, kTempting), ::chmod(journal.c_str(), 0664); }, "others may write it"}};
+      {[&] { folder.write(kJournalName, kTempting), ::chmod(journal.c_str(), 0664); }, "others may write it"},
+      {[&] { folder.write(kJournalName, kTempting), ::chmod(journal.c_str(), 0600); }, "left in another folder"},
+      {[&] { folder.write(kJournalName, in_place("/", kTempting)), ::chmod(journal.c_str(), 0600); },
+       "left in another folder"}};
   if (::geteuid() == 0)
     ways.emplace_back(
         [&] {

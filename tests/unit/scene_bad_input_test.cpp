@@ -396,7 +396,7 @@ TEST_CASE("bad input: time missing, double, malformed, without a place") {
 TEST_CASE("bad input: EPSG code that is no projected system") {
   const Folder folder;
   CHECK_SAYS(refusal(folder, "format = 1\nscene = { origin = { epsg = 4326, easting_m = 1, northing_m = 2 } }\n"),
-             "scene.toml:2:22: not a projected system in which the origin lies (found EPSG:4326");
+             "scene.toml:2:22: not a projected system in metres in which the origin lies (found EPSG:4326");
 }
 
 TEST_CASE("bad input: objects so far from the origin that single precision loses them, by their own size") {
@@ -421,14 +421,18 @@ TEST_CASE("bad input: objects so far from the origin that single precision loses
   CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "worst 'hut': 2 m at 1e+05, 0, ");
   CHECK(notices("[1e5, 0, 0]", 40).empty());
   CHECK(notices("[8e3, 0, 0]", 2).empty());
-  // A mesh in map coordinates that its placement moves back has lost its digits in its own file.
-  std::string map = "";
-  for (const char* corner : {"276000 4753000 0", "276002 4753000 0", "276002 4753002 0", "276000 4753002 1"})
-    map += std::string("v ") + corner + "\n";
-  folder.write("map.obj", map + "f 1 2 3 4\n");
-  const std::string lost = refusal(folder, std::string(kHead) + kGrey +
-                                               "[[mesh]]\nname = \"shed\"\nfile = \"map.obj\"\nmaterial = \"grey\"\n"
-                                               "[[instance]]\nmesh = \"shed\"\nposition_m = [-276000, -4753000, 0]\n");
+  // A mesh in map coordinates that its placement moves back has lost its digits where it is read in single precision.
+  std::string map = "solid shed\nfacet normal 0 0 1\nouter loop\n", obj;
+  for (const char* corner : {"276000 4753000 0", "276002 4753000 0", "276002 4753002 1"})
+    map += std::string("vertex ") + corner + "\n", obj += std::string("v ") + corner + "\n";
+  folder.write("map.stl", map + "endloop\nendfacet\nendsolid shed\n");
+  folder.write("map.obj", obj + "f 1 2 3\n");
+  const auto shed = [&](const std::string& file) {
+    return std::string(kHead) + kGrey + "[[mesh]]\nname = \"shed\"\nfile = \"" + file +
+           "\"\nmaterial = \"grey\"\n[[instance]]\nmesh = \"shed\"\nposition_m = [-276000, -4753000, 0]\n";
+  };
+  const std::string lost = refusal(folder, shed("map.stl"));
+  CHECK(load(folder, shed("map.obj")).notices.empty());  // counted from its middle
   CHECK_SAYS(lost, "single precision does not resolve 'shed'");
   CHECK_SAYS(lost, "0.5 m apart in its own file");
   // What single precision makes a point of is no smaller thing that it resolves.

@@ -10,12 +10,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <optional>
 #include <string>
 
 #include "host/base/error.h"
 #include "scene_compiler/load_simulation.h"
+#include "tests/support/skipped.h"
 
 namespace raycube::scene::testing {
 
@@ -80,7 +80,7 @@ inline std::size_t line_count(const std::string& text) {
 inline std::optional<std::string> shared_folder(const char* test) {
   const char* folder = std::getenv("RAYCUBE_SHARED");
   if (folder != nullptr && std::filesystem::is_directory(folder)) return folder;
-  std::cout << "SKIPPED " << test << ": RAYCUBE_SHARED does not name a folder of real input\n";
+  raycube::testing::skip_part(std::string(test) + " has no real input");
   return std::nullopt;
 }
 

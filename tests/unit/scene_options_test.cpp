@@ -72,6 +72,10 @@ TEST_CASE("JSON schema: parses, names every key, its ranges and defaults") {
   CHECK(schema["properties"]["tolerance"]["exclusiveMinimum"] == 0);
   CHECK(schema["properties"]["tolerance"]["default"] == 0.01);
   const auto& instrument = schema["properties"]["instrument"]["items"];
+  // What an instrument must have may stand in its sensor's file, but its name.
+  CHECK(instrument["required"] == nlohmann::json::array({"name"}));
+  CHECK(instrument["anyOf"][0]["required"].size() > 1);
+  CHECK(instrument["anyOf"][1]["required"] == nlohmann::json::array({"sensor"}));
   CHECK(instrument["additionalProperties"] == false);
   CHECK(instrument["properties"]["kind"]["enum"] == nlohmann::json::array({"framing", "whiskbroom", "pushbroom"}));
   CHECK(instrument["properties"]["position_m"]["minItems"] == 3);

@@ -56,7 +56,7 @@ TEST_CASE("S1 real meshes: triangles, area and volume are those of an independen
         Expected{"ply_edge_cases/cube_uv.ply", 12, 24, 8}}) {
     CAPTURE(expected.file);
     base::Problems problems;
-    const auto read = read_mesh_file(*shared + "/data/meshes/" + expected.file, 1, false, false, {}, problems);
+    const auto read = read_mesh_file(*shared + "/data/meshes/" + expected.file, {}, {}, problems);
     REQUIRE(read);
     const auto found = measure(read->mesh);
     CHECK(found.triangles + read->dropped_faces == expected.triangles);
@@ -70,7 +70,7 @@ TEST_CASE("S1 edge cases of OBJ and PLY: reported with their place, never a cras
   if (!shared) return;
   const auto message = [&](const std::string& file) {
     base::Problems problems;
-    const auto read = read_mesh_file(*shared + "/data/meshes/" + file, 1, false, false, {}, problems);
+    const auto read = read_mesh_file(*shared + "/data/meshes/" + file, {}, {}, problems);
     CHECK(!read);
     std::string out;
     for (const auto& line : problems.lines()) out += line + "\n";
@@ -84,8 +84,7 @@ TEST_CASE("S1 edge cases of OBJ and PLY: reported with their place, never a cras
   CHECK_SAYS(message("ply_edge_cases/points.ply"), "points.ply");
   // One concave polygon; a long line of 940 corners that revisits the same eight.
   base::Problems problems;
-  const auto concave =
-      read_mesh_file(*shared + "/data/meshes/obj_edge_cases/concave_polygon.obj", 1, false, false, {}, problems);
+  const auto concave = read_mesh_file(*shared + "/data/meshes/obj_edge_cases/concave_polygon.obj", {}, {}, problems);
   REQUIRE(concave);
   const auto found = measure(concave->mesh);
   CHECK(concave->faces == 1);
@@ -93,8 +92,7 @@ TEST_CASE("S1 edge cases of OBJ and PLY: reported with their place, never a cras
   // 66 corners: a ring cut open. |Newell sum| / 2 over the file's corners is its area in closed form:
   // 0.2454967 (a fan, which ignores the concavity, would give 3.22). The file prints 7 digits.
   CHECK(found.area == doctest::Approx(0.2454967).epsilon(1e-5));
-  const auto longline =
-      read_mesh_file(*shared + "/data/meshes/obj_edge_cases/box_longline.obj", 1, false, false, {}, problems);
+  const auto longline = read_mesh_file(*shared + "/data/meshes/obj_edge_cases/box_longline.obj", {}, {}, problems);
   REQUIRE(longline);
   CHECK(longline->faces == 6);
 }
@@ -117,7 +115,7 @@ TEST_CASE(
     CHECK(raster->bands[0][0] == 109);
     CHECK(raster->bands[0][128 * 256 + 128] == 368);
     CHECK(raster->bands[0][255 * 256 + 255] == 461);
-    CHECK(raster->epsg == 32632);
+    CHECK(raster->system.epsg == 32632);
     const auto simulation =
         load(folder, std::string(kHead) + kGrey +
                          "[scene]\norigin = { epsg = 32632, easting_m = 475322, northing_m = 5477800 "

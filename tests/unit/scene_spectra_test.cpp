@@ -363,7 +363,7 @@ TEST_CASE("S42: spectra as they come are refused by their cause, in one line") {
              "a.txt:2: an ASD text of several samples (found 3 columns)");
   CHECK_SAYS(refused("a.txt", "Wavelength\ta.asd\nThe file holds radiance\n350\t0.1\n351\t0.1\n"),
              "an ASD text that is not of reflectance (found radiance)");
-  CHECK_SAYS(refused("a.txt", "wavelength_nm;transmittance;reflectance\n350;0.4;0.1\n"), "no wavelength column");
+  CHECK_SAYS(refused("a.txt", "place_nm;transmittance;reflectance\n350;0.4;0.1\n"), "no wavelength column");
   CHECK_SAYS(refused("a.txt", "ASD spectrum file\nWavelength\n350 0.1\n"), "a spectrum needs at least two points");
   CHECK_SAYS(refused("a.asd", asd_file(0, {10, 20}, {})), "an ASD file without its white reference");
   CHECK_SAYS(refused("a.asd", asd_file(1, {0.1f, 0.2f}, {1, 1}).substr(0, 515)), "without its white reference");

@@ -1,0 +1,141 @@
+#include "host/base/gdal_band.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+#include "host/base/gdal_library.h"
+
+namespace raycube::base {
+namespace {
+
+bool is_alpha(GDALRasterBandH band) { return gdal().GDALGetRasterColorInterpretation(band) == GCI_AlphaBand; }
+
+/// Largest number that the band's integers can hold, by its type or the bits that the file uses of it.
+double most_of(GDALRasterBandH band) {
+  double most = 0;
+  switch (gdal().GDALGetRasterDataType(band)) {
+    case GDT_Byte:
+      most = 255;
+      break;
+    case GDT_UInt16:
+      most = 65535;
+      break;
+    case GDT_Int16:
+      most = 32767;
+      break;
+    case GDT_UInt32:
+      most = 4294967295.0;
+      break;
+    case GDT_Int32:
+      most = 2147483647.0;
+      break;
+    default:
+      return 0;
+  }
+  const char* const bits = gdal().GDALGetMetadataItem(band, "NBITS", "IMAGE_STRUCTURE");
+  const int used = bits ? std::atoi(bits) : 0;
+  return used > 0 && used < 32 ? std::min(most, std::ldexp(1.0, used) - 1) : most;
+}
+
+}  // namespace
+
+GdalBand describe_band(GDALRasterBandH band) {
+  GdalBand out;
+  int known = 0;
+  const double scale = gdal().GDALGetRasterScale(band, &known), offset = gdal().GDALGetRasterOffset(band, nullptr);
+  out.scale = known && std::isfinite(scale) ? scale : 1;
+  out.offset = std::isfinite(offset) ? offset : 0;
+  if (const char* unit = gdal().GDALGetRasterUnitType(band)) out.unit = unit;
+  out.most = most_of(band);
+  out.palette = gdal().GDALGetRasterColorTable(band) != nullptr;
+  int has_no_data = 0;
+  out.no_data = gdal().GDALGetRasterNoDataValue(band, &has_no_data);
+  if (has_no_data) out.mask = "nodata";
+  const int flags = gdal().GDALGetMaskFlags(band);
+  if (flags & GMF_ALPHA) {
+    if (!is_alpha(band)) out.mask += has_no_data ? " and alpha" : "alpha";
+  } else if (!(flags & (GMF_ALL_VALID | GMF_NODATA))) {
+    out.mask = "mask";
+  }
+  return out;
+}
+
+bool read_rows(GDALRasterBandH band, const GdalBand& described, int first_row, int rows, std::vector<double>& values,
+               std::vector<Pixel>& known) {
+  const int columns = gdal().GDALGetRasterBandXSize(band);
+  const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+  values.resize(count);
+  known.assign(count, Pixel::sound);
+  const auto read = [&](GDALRasterBandH from, void* to, GDALDataType type) {
+    return gdal().GDALRasterIO(from, GF_Read, 0, first_row, columns, rows, to, columns, rows, type, 0, 0) == CE_None;
+  };
+  if (!read(band, values.data(), GDT_Float64)) return false;
+  if (!described.mask.empty()) {
+    std::vector<unsigned char> mask(count);
+    if (!read(gdal().GDALGetMaskBand(band), mask.data(), GDT_Byte)) return false;
+    const bool alpha = described.mask.ends_with("alpha");
+    for (std::size_t i = 0; i < count; ++i)
+      if (mask[i] == 0) known[i] = alpha ? Pixel::transparent : Pixel::missing;
+  }
+  // Beside an alpha band GDAL's mask leaves the nodata value out; and it takes one that the band's type cannot hold for
+  // another.
+  const bool no_data = described.mask.starts_with("nodata");
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(values[i]) || (no_data && values[i] == described.no_data)) known[i] = Pixel::missing;
+    values[i] = described.scale * values[i] + described.offset;
+  }
+  return true;
+}
+
+double metres_of(const std::string& unit) {
+  std::string name;
+  for (const char c : unit)
+    if (std::isalnum(static_cast<unsigned char>(c))) name += static_cast<char>(std::tolower(c));
+  // The international foot is 0.3048 m; the foot of the United States' surveys is 1200 / 3937 m (NIST SP 811, B.6).
+  static const std::map<std::string, double> kMetres = {{"m", 1},
+                                                        {"metre", 1},
+                                                        {"metres", 1},
+                                                        {"meter", 1},
+                                                        {"meters", 1},
+                                                        {"dm", 0.1},
+                                                        {"decimetre", 0.1},
+                                                        {"decimeter", 0.1},
+                                                        {"decimetres", 0.1},
+                                                        {"decimeters", 0.1},
+                                                        {"cm", 0.01},
+                                                        {"centimetre", 0.01},
+                                                        {"centimeter", 0.01},
+                                                        {"centimetres", 0.01},
+                                                        {"centimeters", 0.01},
+                                                        {"mm", 0.001},
+                                                        {"millimetre", 0.001},
+                                                        {"millimeter", 0.001},
+                                                        {"millimetres", 0.001},
+                                                        {"millimeters", 0.001},
+                                                        {"km", 1000},
+                                                        {"kilometre", 1000},
+                                                        {"kilometer", 1000},
+                                                        {"kilometres", 1000},
+                                                        {"kilometers", 1000},
+                                                        {"ft", 0.3048},
+                                                        {"foot", 0.3048},
+                                                        {"feet", 0.3048},
+                                                        {"internationalfoot", 0.3048},
+                                                        {"footintl", 0.3048},
+                                                        {"usft", 1200.0 / 3937},
+                                                        {"ftus", 1200.0 / 3937},
+                                                        {"ussurveyfoot", 1200.0 / 3937},
+                                                        {"ussurveyfeet", 1200.0 / 3937},
+                                                        {"footus", 1200.0 / 3937},
+                                                        {"usfoot", 1200.0 / 3937},
+                                                        {"surveyfoot", 1200.0 / 3937},
+                                                        {"yd", 0.9144},
+                                                        {"yard", 0.9144}};
+  const auto found = kMetres.find(name);
+  return found == kMetres.end() ? 0 : found->second;
+}
+
+}  // namespace raycube::base
