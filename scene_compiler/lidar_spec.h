@@ -145,7 +145,8 @@ struct LidarEchoes {
   EchoMethod method = EchoMethod::gaussian;
   double threshold_sigma = 4;      ///< above the noise, where false_returns is 0
   double false_returns = 0;        ///< of a record by chance, at most; > 0: thresholds come from it instead
-  bool air_is_background = false;  ///< the expected return of the air is subtracted, its noise in the threshold
+  bool air_is_background = false;  ///< the expected return of air and particles is subtracted, its noise in the
+                                   ///< threshold
   double noise_class_above = 0;    ///< returns that chance makes more often are LAS class 7; 0: none
   double threshold_pe = 1;         ///< and at least so many photo-electrons in the peak bin
   double fraction = 0.5;           ///< constant fraction

@@ -13,5 +13,7 @@ raycube_test(planner_honest SOURCES oracle/planner_honest_test.cpp LIBS raycube_
 raycube_cli_test(plan_cli)
 raycube_test(model_trial SOURCES oracle/model_trial_test.cpp LIBS raycube_test_scenes raycube_render_support
   raycube::planner LABELS fast device)
+raycube_test(lidar_slopes SOURCES oracle/lidar_slopes_test.cpp LIBS raycube_lidar_support raycube::planner LABELS
+  fast device)
 raycube_test(planner_pulses SOURCES oracle/planner_pulses_test.cpp LIBS raycube_lidar_support raycube::planner LABELS
   fast device)

@@ -198,7 +198,7 @@ void apply_line_gain(const LidarPlan& plan, ShotResult& result) {
   const std::vector<double>& gain = result.shot.line_gain;
   if (gain.empty()) return;
   const auto bins = static_cast<std::size_t>(plan.lidar.gate.bins);
-  for (std::vector<float>* rows : {&result.first, &result.multiple, &result.air})
+  for (std::vector<float>* rows : {&result.first, &result.multiple, &result.air, &result.particles})
     for (std::size_t i = 0; i < rows->size(); ++i)
       (*rows)[i] = static_cast<float>((*rows)[i] * gain[i / bins % gain.size()]);
   for (std::size_t line = 0; line < result.ledger.size(); ++line) {

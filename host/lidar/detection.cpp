@@ -26,7 +26,7 @@ class Detecting::Row {
         echo_half_bins_(0.5 * base::kFwhmOfSigma * recorded_sigma_s(plan.lidar) / plan.lidar.gate.bin_s),
         draws_(plan.seed, 0, 0),
         law_(plan.lidar),
-        finder_(plan.lidar),
+        finder_(plan.lidar, plan.waveform_error),
         signal_(bins_),
         light_(bins_),
         counts_(bins_),
@@ -93,6 +93,7 @@ class Detecting::Row {
       if (!part->empty()) add_scaled_bins(part->data() + row * bins_, efficiency, bins_, signal_.data());
     const double light_hz =
         lidar_.detector.solar_background && !result.background_hz.empty() ? result.background_hz[row] : 0;
+    if (plan_.waveform_error > 0) tell_of_surfaces(result, row);
     background_ = (light_hz * efficiency + lidar_.detector.dark_rate_hz) * lidar_.gate.bin_s;
     speckle_ = {};
     if (lidar_.speckle.on) speckle_ = speckle_row(plan_, result.shot, pixel, line, signal_);
@@ -105,8 +106,17 @@ class Detecting::Row {
       recorded_row_ = recorded_.data();
     }
     recorded_signal_row_ = recorded_row_;
-    if (lidar_.echoes.air_is_background && !result.air.empty() && lidar_.detector.mode != scene::DetectorMode::geiger)
-      take_air(result.air.data() + row * bins_);
+    if (lidar_.echoes.air_is_background && lidar_.detector.mode != scene::DetectorMode::geiger) take_media(result, row);
+  }
+
+  /// Of sub-rays alone: air and particles are integrated along the beam.
+  void tell_of_surfaces(const ShotResult& result, std::size_t of_row) {
+    surfaces_.resize(bins_);
+    scale_bins(result.first.data() + of_row * bins_, lidar_.receiver.quantum_efficiency, bins_, surfaces_.data());
+    if (!result.particles.empty())
+      add_scaled_bins(result.particles.data() + of_row * bins_, -lidar_.receiver.quantum_efficiency, bins_,
+                      surfaces_.data());
+    finder_.expect_surfaces(surfaces_);
   }
 
   /// The bins that may hold anything: all where there is noise, else those that signal reaches.
@@ -122,12 +132,15 @@ class Detecting::Row {
     past_ = std::max(from_, std::min(bins_, past_lit(signal_.data(), bins_) + reach));
   }
 
-  /// The air's return counts as background.
-  void take_air(const float* air) {
+  /// What air and particles in volumes send back counts as background.
+  void take_media(const ShotResult& result, std::size_t of_row) {
+    if (result.air.empty() && result.particles.empty()) return;
     with_air_ = *noise_;
     with_air_.air.assign(bins_, 0.0);
-    std::vector<double> row(bins_);
-    scale_bins(air, lidar_.receiver.quantum_efficiency, bins_, row.data());
+    std::vector<double> row(bins_, 0.0);
+    for (const std::vector<float>* part : {&result.air, &result.particles})
+      if (!part->empty())
+        add_scaled_bins(part->data() + of_row * bins_, lidar_.receiver.quantum_efficiency, bins_, row.data());
     convolve(row.data(), 0, bins_, bins_, noise_->response, with_air_.air.data());
     with_air_.air_modes = speckle_.strongest_modes;
     noise_ = &with_air_;
@@ -305,6 +318,7 @@ class Detecting::Row {
   const DetectorNoise* noise_ = nullptr;
   std::vector<double> signal_;  ///< [bin] expected photo-electrons, quantum efficiency included
   std::vector<double> light_, counts_, amplified_;
+  std::vector<double> surfaces_;  ///< [bin] of signal_ what surfaces scatter once
   std::vector<double> recorded_, recorded_signal_;
   const double* recorded_row_ = nullptr;         ///< expected light of the pulse after the electronics
   const double* recorded_signal_row_ = nullptr;  ///< of it what is no background

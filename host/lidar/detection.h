@@ -32,6 +32,7 @@ struct Echo {
                      ///< average; geiger: 0
   int number = 1, of = 1;  ///< from 1, in order of time
   bool saturated = false;  ///< touches the full scale
+  bool cut = false;        ///< nearer to an end of the gate than half a recorded pulse: its range is a bound
 };
 
 /// What a record's reader should know of how it came about.

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "host/base/units.h"
 #include "host/lidar/gaussian_fit.h"
+#include "host/lidar/pulse_taps.h"
 
 namespace raycube::lidar {
 
@@ -27,25 +29,36 @@ std::vector<double> combine(const std::vector<double>& a, const std::vector<doub
   return out;
 }
 
-/// Bins of a return follow a Gaussian no better than this share of its peak: pulse and footprint are not exactly
-/// Gaussian.
-constexpr double kShapeError = 3e-4;
-
 bool any_reaches(const double* bins, std::size_t count, double threshold) {
   unsigned any = 0;
   for (std::size_t i = 0; i < count; ++i) any |= static_cast<unsigned>(bins[i] >= threshold);
   return any != 0;
 }
 
-constexpr std::size_t kMostPeaks = 6, kMostMore = 3;  ///< of a group fitted together; components beside them
-static_assert(kMostPeaks + kMostMore <= GaussianFit::kMostEchoes);
+/// Those whose middle is within half a recorded pulse of an end of the gate, or beyond it.
+void mark_cut(const scene::Lidar& lidar, double sigma_s, std::vector<Echo>& echoes) {
+  const double half_s = 0.5 * base::kFwhmOfSigma * sigma_s, begin_s = lidar.gate.start_s,
+               end_s = begin_s + lidar.gate.bins * lidar.gate.bin_s;
+  for (Echo& echo : echoes) echo.cut = echo.time_s < begin_s + half_s || echo.time_s > end_s - half_s;
+}
+
+/// Of a return's highest bin: what is looked at without smoothing.
+constexpr double kUpper = 0.25;
+/// A sub-ray or two that stand alone within so many widths of the pulse of a return are its own.
+constexpr double kLoneRays = 2, kLoneWidths = 2;
+/// Dips of fewer standard deviations of the waveform's own error part no peaks.
+constexpr double kRipple = 3;
 
 }  // namespace
 
-EchoFinder::EchoFinder(const scene::Lidar& lidar)
-    : lidar_(lidar), sigma_bins_(std::max(recorded_sigma_s(lidar) / lidar.gate.bin_s, 0.3)) {
+EchoFinder::EchoFinder(const scene::Lidar& lidar, double waveform_error)
+    : lidar_(lidar),
+      sigma_bins_(std::max(recorded_sigma_s(lidar) / lidar.gate.bin_s, 0.3)),
+      waveform_error_(waveform_error),
+      gaussian_pulse_(lidar.pulse.shape == scene::PulseShape::gaussian) {
   smoothing_ = taps_of(sigma_bins_ > 0.6 ? 0.5 * sigma_bins_ : 0), none_ = taps_of(0);
   pulse_taps_ = response_taps(base::kFwhmOfSigma * sigma_bins_, 1);
+  if (!gaussian_pulse_) calibrate();
 }
 
 EchoFinder::Taps EchoFinder::taps_of(double sigma_bins) const {
@@ -74,17 +87,19 @@ void EchoFinder::operator()(std::span<const float> waveform, std::size_t begin, 
   touched_ = {static_cast<std::ptrdiff_t>(from), static_cast<std::ptrdiff_t>(past)};
   find_peaks(from, past);
   echoes.clear();
-  if (lidar_.echoes.method != scene::EchoMethod::gaussian) {
-    for (const Peak& peak : peaks_) echoes.push_back(measure(peak));
-  } else {
-    for (std::size_t first = 0; first < peaks_.size();) {
-      std::size_t last = first + 1;
-      while (last < peaks_.size() && last - first < kMostPeaks && peaks_[last].left <= peaks_[last - 1].right + 1)
-        ++last;
+  shown_ = &smooth_;
+  for (std::size_t first = 0; first < peaks_.size();) {
+    std::size_t last = first + 1;
+    while (last < peaks_.size() && last - first < kMostPeaks && peaks_[last].left <= peaks_[last - 1].right + 1) ++last;
+    if (lidar_.echoes.method == scene::EchoMethod::gaussian)
       fit_group(first, last, echoes);
-      first = last;
-    }
+    else if (last == first + 1)
+      echoes.push_back(measure(peaks_[first]));
+    else
+      measure_group(first, last, echoes);
+    first = last;
   }
+  mark_cut(lidar_, sigma_bins_ * lidar_.gate.bin_s, echoes);
   number_echoes(lidar_, echoes);
 }
 
@@ -111,6 +126,16 @@ void EchoFinder::find_peaks(std::size_t begin, std::size_t end) {
   const std::size_t bins = smooth_.size();
   const auto half = static_cast<std::size_t>(std::max(1.0, std::ceil(0.5 * base::kFwhmOfSigma * sigma_bins_)));
   find_signal(begin, end);
+  light_ = 0;
+  double squares = 0;
+  if (waveform_error_ > 0)
+    for (std::size_t i = begin; i < end; ++i) {
+      const double light = surfaces_.empty() ? smooth_[i] : surfaces_[i];
+      light_ += light, squares += light * light;
+    }
+  // Sub-rays fall as photons do, if more evenly: their variance goes with the light, as much as gives the record's own
+  // error.
+  per_light_ = light_ > 0 ? waveform_error_ * waveform_error_ * squares / light_ : 0;
   const auto at = [&](std::size_t bin) { return smooth_.begin() + static_cast<std::ptrdiff_t>(bin); };
   kept_.clear(), valley_.clear(), peaks_.clear();
   std::size_t next = 0;  // of the bins with a signal
@@ -130,7 +155,9 @@ void EchoFinder::find_peaks(std::size_t begin, std::size_t end) {
       // Two maxima near each other differ by chance less than the highest and lowest of a long plateau do.
       const bool far = static_cast<double>(i - kept_.back()) > 4 * sigma_bins_,
                  apart = far && smooth_[lowest] < 0.5 * lower;
-      if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0)) break;
+      const double chance = noisy_ && !apart ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0,
+                   ripple = kRipple * ray_noise(smooth_[i] < smooth_[kept_.back()] ? i : kept_.back(), lower);
+      if (dip > std::max(1e-5 * lower, std::hypot(chance, ripple))) break;
       if (smooth_[i] <= smooth_[kept_.back()]) {
         stands = false;
         break;
@@ -149,20 +176,71 @@ void EchoFinder::find_peaks(std::size_t begin, std::size_t end) {
     while (peak.right < to && smooth_[peak.right] > low) ++peak.right;
     peaks_.push_back(peak);
   }
+  if (used_ != &none_)
+    for (std::size_t k = 0; k < peaks_.size();)
+      if (!split_unsmoothed(k)) ++k;
+  if (waveform_error_ > 0) drop_lone_rays();
 }
 
-/// Where the smoothed waveform passes `level` going outwards from the peak, in bins (centres at + 1/2).
-double EchoFinder::crossing(const Peak& peak, double level, int step) const {
-  auto i = static_cast<std::ptrdiff_t>(peak.at);
-  const auto bins = static_cast<std::ptrdiff_t>(smooth_.size());
-  while (i + step >= 0 && i + step < bins && smooth_[static_cast<std::size_t>(i + step)] > level) i += step;
+/// Bright returns that smoothing has run into one: a dip of 5 standard deviations between two bins of its upper part.
+bool EchoFinder::split_unsmoothed(std::size_t k) {
+  const Peak peak = peaks_[k];
+  const auto first = raw_.begin() + static_cast<std::ptrdiff_t>(peak.left),
+             last = raw_.begin() + static_cast<std::ptrdiff_t>(peak.right);
+  const auto top = static_cast<std::size_t>(std::max_element(first, last) - raw_.begin());
+  double most = 0;
+  std::size_t other = top, valley = top;
+  for (const int step : {-1, 1}) {
+    std::size_t lowest = top;
+    for (std::size_t i = top; i != (step < 0 ? peak.left : peak.right - 1);) {
+      i = step < 0 ? i - 1 : i + 1;
+      if (raw_[i] < raw_[lowest]) lowest = i;
+      if (raw_[i] < kUpper * raw_[top]) continue;
+      const double noise = noise_->rms(raw_[i] + noise_->air_at(i)), dip = raw_[i] - raw_[lowest];
+      const double over = dip / std::hypot(5 * std::numbers::sqrt2 * noise, kRipple * ray_noise(i, raw_[i]));
+      if (over > most) most = over, other = i, valley = lowest;
+    }
+  }
+  if (!(most > 1)) return false;
+  const std::size_t early = std::min(top, other), late = std::max(top, other);
+  peaks_[k] = {early, peak.left, valley};
+  peaks_.insert(peaks_.begin() + static_cast<std::ptrdiff_t>(k) + 1, Peak{late, valley, peak.right});
+  return true;
+}
+
+/// Where the outermost sub-rays of a slope stand apart from the others, each would be a return of its own.
+void EchoFinder::drop_lone_rays() {
+  const double most = kLoneRays * light_ / std::max(1, lidar_.transport.subrays);
+  const double near = kLoneWidths * base::kFwhmOfSigma * sigma_bins_;
+  const auto is_lone = [&](const Peak& peak) {
+    double light = 0, of_surfaces = 0;
+    for (std::size_t i = peak.left; i < peak.right; ++i)
+      light += smooth_[i], of_surfaces += surfaces_.empty() ? smooth_[i] : surfaces_[i];
+    return light < most && of_surfaces > 0.5 * light;
+  };
+  for (std::size_t k = 0; k < peaks_.size() && peaks_.size() > 1;) {
+    const bool beside = (k > 0 && static_cast<double>(peaks_[k].left - peaks_[k - 1].right) < near) ||
+                        (k + 1 < peaks_.size() && static_cast<double>(peaks_[k + 1].left - peaks_[k].right) < near);
+    if (beside && is_lone(peaks_[k]))
+      peaks_.erase(peaks_.begin() + static_cast<std::ptrdiff_t>(k)), k = 0;
+    else
+      ++k;
+  }
+}
+
+/// Where the waveform that is measured passes `level` going outwards from a bin, in bins (centres at + 1/2).
+double EchoFinder::crossing(std::size_t from, double level, int step) const {
+  const std::vector<double>& row = *shown_;
+  auto i = static_cast<std::ptrdiff_t>(from);
+  const auto bins = static_cast<std::ptrdiff_t>(row.size());
+  while (i + step >= 0 && i + step < bins && row[static_cast<std::size_t>(i + step)] > level) i += step;
   if (i + step < 0 || i + step >= bins) return static_cast<double>(i) + 0.5;
-  const double here = smooth_[static_cast<std::size_t>(i)], next = smooth_[static_cast<std::size_t>(i + step)];
+  const double here = row[static_cast<std::size_t>(i)], next = row[static_cast<std::size_t>(i + step)];
   double share = (here - level) / (here - next);
   if (i - step >= 0 && i - step < bins && next > 0 && here > level) {
     // Parabola through the logarithms of the two and the one before: exact for a Gaussian.
     const double y0 = std::log(here), y1 = std::log(next),
-                 before = std::log(std::max(smooth_[static_cast<std::size_t>(i - step)], 1e-300));
+                 before = std::log(std::max(row[static_cast<std::size_t>(i - step)], 1e-300));
     const double bend = 0.5 * (y1 + before) - y0, slope = 0.5 * (y1 - before),
                  root = slope * slope - 4 * bend * (y0 - std::log(level));
     const double found = 2 * (y0 - std::log(level)) / (-slope + std::sqrt(std::max(root, 0.0)));
@@ -173,12 +251,13 @@ double EchoFinder::crossing(const Peak& peak, double level, int step) const {
 
 /// Vertex of the parabola through the logarithms of the three bins about a maximum: offset in bins, and height.
 std::array<double, 2> EchoFinder::vertex(std::size_t at) const {
-  if (at == 0 || at + 1 >= smooth_.size()) return {0, smooth_[at]};
-  double l = smooth_[at - 1], c = smooth_[at], r = smooth_[at + 1];
+  const std::vector<double>& row = *shown_;
+  if (at == 0 || at + 1 >= row.size()) return {0, row[at]};
+  double l = row[at - 1], c = row[at], r = row[at + 1];
   const bool logs = l > 0 && r > 0;
   if (logs) l = std::log(l), c = std::log(c), r = std::log(r);
   const double bend = l - 2 * c + r;
-  if (!(bend < 0)) return {0, smooth_[at]};
+  if (!(bend < 0)) return {0, row[at]};
   const double offset = std::clamp(0.5 * (l - r) / bend, -0.5, 0.5), top = c - 0.25 * (l - r) * offset;
   return {offset, logs ? std::exp(top) : top};
 }
@@ -195,10 +274,18 @@ double EchoFinder::highest(std::size_t left, std::size_t right) const {
                            raw_.begin() + static_cast<std::ptrdiff_t>(right));
 }
 
-double EchoFinder::width_bins(const Peak& peak) const {
-  const double level = 0.5 * vertex(peak.at)[1], width = crossing(peak, level, 1) - crossing(peak, level, -1);
+double EchoFinder::width_bins(std::size_t at) const {
+  const double level = 0.5 * vertex(at)[1], width = crossing(at, level, 1) - crossing(at, level, -1);
   const double spread = base::kFwhmOfSigma * std::hypot(used_->sigma_bins, kBinSigma);
   return std::sqrt(std::max(width * width - spread * spread, 0.25));
+}
+
+/// Of the return whose maximum is at a bin, by the method, in bins; of a Gaussian its middle.
+double EchoFinder::position_of(std::size_t at) const {
+  const auto [offset, top] = vertex(at);
+  if (lidar_.echoes.method != scene::EchoMethod::constant_fraction) return static_cast<double>(at) + 0.5 + offset;
+  const double f = lidar_.echoes.fraction, sigma = std::hypot(sigma_bins_, used_->sigma_bins, kBinSigma);
+  return crossing(at, f * top, -1) + sigma * std::sqrt(-2 * std::log(f));
 }
 
 Echo EchoFinder::echo_at(double position_bins, double peak_pe, double area_pe, double fwhm_bins,
@@ -212,94 +299,46 @@ Echo EchoFinder::echo_at(double position_bins, double peak_pe, double area_pe, d
 }
 
 Echo EchoFinder::measure(const Peak& peak) const {
-  double position = static_cast<double>(peak.at) + 0.5, area = 0;
+  double area = 0;
   for (std::size_t i = peak.left; i < peak.right; ++i) area += raw_[i];
-  const auto [offset, top] = vertex(peak.at);
-  if (lidar_.echoes.method == scene::EchoMethod::constant_fraction) {
-    const double f = lidar_.echoes.fraction, sigma = std::hypot(sigma_bins_, used_->sigma_bins, kBinSigma);
-    position = crossing(peak, f * top, -1) + sigma * std::sqrt(-2 * std::log(f));
-  } else {
-    position += offset;
-  }
-  return echo_at(position, highest(peak.left, peak.right), area, width_bins(peak), saturated(peak.left, peak.right));
+  return echo_at(position_of(peak.at) - late_[used_ == &smoothing_], highest(peak.left, peak.right), area,
+                 width_bins(peak.at), saturated(peak.left, peak.right));
 }
 
-void EchoFinder::fit_group(std::size_t first_peak, std::size_t last_peak, std::vector<Echo>& out) {
-  const auto margin = static_cast<std::size_t>(std::ceil(sigma_bins_));
-  const std::size_t left_bin = peaks_[first_peak].left, first = left_bin - std::min(left_bin, margin),
-                    last = std::min(raw_.size(), peaks_[last_peak - 1].right + margin);
-  fitted_.clear();
+/// The smoothed waveform about a group of peaks, with Gaussians of all but one taken off: what is measured next.
+void EchoFinder::show_without_others(std::size_t first_peak, std::size_t last_peak, std::size_t own) {
+  alone_.resize(smooth_.size());
+  const std::size_t left = peaks_[first_peak].left, right = peaks_[last_peak - 1].right;
+  const std::size_t from = left - std::min<std::size_t>(left, 2), to = std::min(smooth_.size(), right + 2);
+  for (std::size_t i = from; i < to; ++i) {
+    double rest = smooth_[i];
+    for (std::size_t k = first_peak; k < last_peak; ++k)
+      if (k != own) rest -= gaussian_bin(bells_[k - first_peak], static_cast<double>(i));
+    alone_[i] = std::max(rest, 0.0);
+  }
+  if (from > 0) alone_[from - 1] = 0;
+  if (to < alone_.size()) alone_[to] = 0;
+  shown_ = &alone_;
+}
+
+/// Peaks that overlap, by peak or constant_fraction: each is measured alone, fitted Gaussians of the others taken off.
+void EchoFinder::measure_group(std::size_t first_peak, std::size_t last_peak, std::vector<Echo>& out) {
+  const Group group = fit_peaks(first_peak, last_peak);
+  fit_.finish(group.last_floor, group.excess, fitted_);
+  bells_ = fitted_;
+  for (GaussianEcho& bell : bells_) bell.sigma = std::hypot(bell.sigma, used_->sigma_bins);
   for (std::size_t k = first_peak; k < last_peak; ++k) {
     const Peak& peak = peaks_[k];
-    // One echo's width comes from its own half height; among neighbours the recorded pulse is the better guess.
-    const double sigma =
-        last_peak - first_peak == 1 ? std::max(width_bins(peak) / base::kFwhmOfSigma, 0.3) : sigma_bins_;
-    const double share = std::erf(0.5 / (sigma * std::sqrt(2.0)));
-    fitted_.push_back({std::max(smooth_[peak.at], 1e-12) / share, static_cast<double>(peak.at) + 0.5, sigma});
+    const GaussianEcho& own = fitted_[k - first_peak];
+    show_without_others(first_peak, last_peak, k);
+    const auto begin = alone_.begin();
+    const auto top = static_cast<std::size_t>(std::max_element(begin + static_cast<std::ptrdiff_t>(peak.left),
+                                                               begin + static_cast<std::ptrdiff_t>(peak.right)) -
+                                              begin);
+    out.push_back(echo_at(position_of(top) - late_[used_ == &smoothing_], highest(peak.left, peak.right), own.area,
+                          base::kFwhmOfSigma * own.sigma, saturated(peak.left, peak.right)));
   }
-  double air = 0;
-  if (!noise_->air.empty())
-    for (std::size_t i = first; i < last; ++i) air = std::max(air, noise_->air[i]);
-  const double excess = noisy_ ? noise_->excess : 0;
-  const double floor = noisy_ ? std::hypot(noise_->floor, std::sqrt(excess * (noise_->background + air)),
-                                           kShapeError * highest(first, last))
-                              : 0;
-  double chi = fit_.roughly(raw_, first, last, floor, excess, fitted_);
-  const std::size_t most = fitted_.size() + kMostMore;
-  while (fitted_.size() < most && 3 * fitted_.size() + 3 < last - first &&
-         chi > static_cast<double>(last - first) + 30 && add_component(first, last, chi, floor, excess)) {
-  }
-  fit_.finish(floor, excess, fitted_);
-  std::sort(fitted_.begin(), fitted_.end(),
-            [](const GaussianEcho& a, const GaussianEcho& b) { return a.position < b.position; });
-  for (const GaussianEcho& echo : fitted_) {
-    const double reach = std::max(1.0, 2 * echo.sigma);
-    const auto left = static_cast<std::size_t>(std::max(0.0, std::floor(echo.position - reach)));
-    const auto right = std::min(raw_.size(), static_cast<std::size_t>(std::ceil(echo.position + reach)));
-    out.push_back(echo_at(echo.position, echo.area * std::erf(0.5 / (echo.sigma * std::sqrt(2.0))), echo.area,
-                          base::kFwhmOfSigma * echo.sigma, saturated(left, right)));
-  }
-}
-
-/// Where what the fit leaves over is highest another component is tried; whether it stays.
-bool EchoFinder::add_component(std::size_t first, std::size_t last, double& chi, double floor, double excess) {
-  residual_ = raw_;
-  residual_smooth_.resize(raw_.size());
-  for (std::size_t i = first; i < last; ++i)
-    for (const GaussianEcho& echo : fitted_) residual_[i] -= gaussian_bin(echo, static_cast<double>(i));
-  convolve(residual_.data(), first, last, residual_.size(), pulse_taps_, residual_smooth_.data());
-  const auto top = std::max_element(residual_smooth_.begin() + static_cast<std::ptrdiff_t>(first),
-                                    residual_smooth_.begin() + static_cast<std::ptrdiff_t>(last));
-  if (!(*top > 0)) return false;
-  trial_ = fitted_;
-  trial_.push_back({*top * 3.5 * sigma_bins_, static_cast<double>(top - residual_smooth_.begin()) + 0.5, sigma_bins_});
-  if (trial_.size() == 2) split(fitted_.front(), trial_);
-  const double trial_chi = fit_.again(trial_);
-  // No echo is narrower than the pulse; and what is much wider is air or leaves, which no number of Gaussians
-  // describes.
-  const bool echoes_all =
-      std::all_of(trial_.begin(), trial_.end(),
-                  [&](const GaussianEcho& e) {
-                    return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) >= noise_->threshold &&
-                           e.sigma > 0.6 * sigma_bins_;
-                  }) &&
-      wide(trial_) <= wide(fitted_);
-  if (!(trial_chi < chi - 30) || !echoes_all) return false;
-  chi = fit_.weigh_anew(floor, excess);
-  std::swap(fitted_, trial_);
-  return true;
-}
-
-std::ptrdiff_t EchoFinder::wide(const std::vector<GaussianEcho>& echoes) const {
-  return std::count_if(echoes.begin(), echoes.end(), [&](const GaussianEcho& e) { return e.sigma > 3 * sigma_bins_; });
-}
-
-/// Two echoes hidden under one maximum, wider than the pulse: half of the light to either side, with the same second
-/// moment.
-void EchoFinder::split(const GaussianEcho& one, std::vector<GaussianEcho>& two) const {
-  const double apart = std::sqrt(one.sigma * one.sigma - sigma_bins_ * sigma_bins_);
-  if (!(apart > 0.2 * sigma_bins_)) return;
-  two = {{0.5 * one.area, one.position - apart, sigma_bins_}, {0.5 * one.area, one.position + apart, sigma_bins_}};
+  shown_ = &smooth_;
 }
 
 std::vector<Echo> find_echoes(const scene::Lidar& lidar, const std::vector<float>& waveform_pe,
@@ -334,6 +373,7 @@ std::vector<Echo> cluster_tags(const scene::Lidar& lidar, const std::vector<Phot
     }
     first = last;
   }
+  mark_cut(lidar, recorded_sigma_s(lidar), echoes);
   number_echoes(lidar, echoes);
   return echoes;
 }

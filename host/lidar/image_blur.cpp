@@ -103,7 +103,7 @@ void PixelBlur::apply(const LidarPlan& plan, ShotResult& result) const {
   if (!any()) return;
   const int columns = plan.lidar.receiver.columns, rows = plan.lidar.receiver.rows;
   const auto per_pixel = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(plan.lidar.gate.bins);
-  for (std::vector<float>* part : {&result.first, &result.multiple, &result.air})
+  for (std::vector<float>* part : {&result.first, &result.multiple, &result.air, &result.particles})
     apply_to(*part, columns, rows, per_pixel);
 }
 

@@ -79,6 +79,9 @@ struct LidarPlan {
   PulseTaps taps;
   Footprint footprint;
   double sensor_low_m = 0, sensor_high_m = 0;  ///< heights of the exits
+  /// Of expected waveforms by their sub-rays, a share of them (rms over bins; nearly every pulse's is less): what echo
+  /// finders do not take for echoes. 0: not known.
+  double waveform_error = 0;
 
   int lines() const { return static_cast<int>(photons.size()); }
   int pixels() const { return lidar.receiver.columns * lidar.receiver.rows; }
@@ -115,9 +118,10 @@ struct FirstHit {
 /// Expectations of one shot. Rows are [pixel][line][bin], photons at the detector.
 struct ShotResult {
   Shot shot;
-  std::vector<float> first;     ///< once scattered, surfaces and volumes
-  std::vector<float> multiple;  ///< more than once; empty when max_bounces is 1
-  std::vector<float> air;       ///< empty when air_return is off
+  std::vector<float> first;      ///< once scattered, surfaces and volumes
+  std::vector<float> multiple;   ///< more than once; empty when max_bounces is 1
+  std::vector<float> air;        ///< empty when air_return is off
+  std::vector<float> particles;  ///< of `first`, what particles in volumes scattered; empty: there are no volumes
   std::vector<double>
       background_hz;           ///< [pixel][line], photons / s at the detector from the passive scene; empty: none
   std::vector<Ledger> ledger;  ///< [line]

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -25,6 +27,16 @@ constexpr double kReferenceRays =
 constexpr double kFinerRays = 6.4e7;  ///< of a reference where the law asks for more sub-rays than the first can judge
 constexpr int kFinestSubrays = 16384;
 
+/// What 95 in 100 do not exceed; value and weight of each.
+double nearly_most(std::vector<std::pair<double, double>> of) {
+  std::sort(of.begin(), of.end());
+  double whole = 0, sum = 0;
+  for (const auto& [value, weight] : of) whole += weight;
+  for (const auto& [value, weight] : of)
+    if ((sum += weight) >= 0.95 * whole) return value;
+  return of.empty() ? 0 : of.back().first;
+}
+
 class LidarTrial {
  public:
   LidarTrial(render::LidarRenderer& renderer, const lidar::LidarPlan& plan) : renderer_(renderer), plan_(plan) {
@@ -41,6 +53,7 @@ class LidarTrial {
       two_ = fire(pulses_, reference_subrays_, plan_.seed + 2 * kOtherPulses, true);
     const Waveforms tried = fire(pulses_, subrays, plan_.seed, false);
     double whole = 0, sum = 0, square_sum = 0, even_square_sum = 0, draws = 0;
+    std::vector<std::pair<double, double>> of_pulses;  // squared, and how many pulses of the survey each stands for
     for (std::size_t p = 0; p < tried.pulse.size(); ++p) {
       double here = 0, energy = 0;
       for (std::size_t i = 0; i < tried.pulse[p].size(); ++i) {
@@ -50,6 +63,7 @@ class LidarTrial {
       }
       // A pulse that was drawn with more than an even chance counts for less.
       const Draw& draw = draws_[p];
+      if (energy > 0) of_pulses.emplace_back(std::max(0.0, here / energy), draw.times / draw.share);
       here /= draw.share;
       sum += draw.times * here;
       square_sum += draw.times * here * here;
@@ -58,6 +72,7 @@ class LidarTrial {
       draws += draw.times;
     }
     if (!(whole > 0)) return {};
+    pulse_error_ = std::sqrt(nearly_most(of_pulses));
     const double average = sum / draws;
     double variance = draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
     // The pulses drawn from are themselves but a part of the survey.
@@ -80,6 +95,8 @@ class LidarTrial {
     return whole > 0 ? std::sqrt(squares / whole / (1 + kDoubleShare)) : 0;
   }
 
+  /// Of the sub-rays tried last: of 95 in 100 pulses each of its own waveforms.
+  double pulse_error() const { return pulse_error_; }
   std::size_t pulses() const { return pulses_.size(); }
   std::uint64_t rays() const { return rays_; }
   /// References with more sub-rays from now on; false: there are none to be had.
@@ -158,6 +175,7 @@ class LidarTrial {
   std::vector<Draw> draws_;                        ///< of the pulses
   double fans_ = 1, left_out_ = 0;                 ///< left out: share of the survey that the look did not see
   int reference_subrays_ = kReferenceSubrays;
+  double pulse_error_ = -1;
   Waveforms one_, two_;
   std::uint64_t rays_ = 0;
 };
@@ -197,9 +215,11 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
   if ((out.given && !estimate_given) || plan.lidar.pulses < 1) return out;
   LidarTrial trial(renderer, plan);
   ErrorLaw law(kSubrayLaw);
+  std::map<int, double> of_pulses;  // of the levels tried
   const auto add = [&](int level) {
     const TrialError error = trial.error(level);
     law.measured(level, error.estimate, error.bound);
+    of_pulses[level] = trial.pulse_error();
   };
   if (out.given) {
     if (out.subrays > trial.largest_tried()) trial.refine();
@@ -253,6 +273,11 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
   out.error = law.bound(out.subrays), out.likely = law.estimate(out.subrays);
   const auto at = std::lower_bound(subray_levels().begin(), subray_levels().end(), out.subrays);
   if (!out.given && at != subray_levels().begin()) out.less_error = law.estimate(*std::prev(at));
+  // Of the level, or by the law from the nearest one that was tried.
+  const auto tried = of_pulses.lower_bound(out.subrays);
+  const auto nearest = tried == of_pulses.end() ? std::prev(tried) : tried;
+  out.pulse_error =
+      std::max(out.likely, nearest->second * std::pow(double(nearest->first) / out.subrays, kSubrayLaw.beyond));
   out.within = out.error <= tolerance;
   out.trial_pulses = trial.pulses(), out.trial_rays = trial.rays();
   out.rays_per_pulse = rays_of_pulse(plan, out.subrays);
@@ -290,6 +315,7 @@ nlohmann::json lidar_decision_json(const LidarDecision& d, const std::vector<Pla
   Json out = {{"tolerance", d.tolerance},
               {"subrays", d.subrays},
               {"error", number(d.error)},
+              {"pulse_error", number(d.pulse_error)},
               {"within_tolerance", d.estimated ? Json(d.within) : Json()},
               {"cost", {{"first_rays_per_pulse", d.rays_per_pulse}}},
               {"notes", d.notes},

@@ -19,6 +19,7 @@ struct LidarDecision {
   bool given = false, estimated = false;
   double error = -1, less_error = -1;  ///< bounds: of the sub-rays chosen and of the level before
   double likely = -1;                  ///< as `error`, without the margin that makes it a bound
+  double pulse_error = -1;             ///< of 95 in 100 pulses, each of its own waveforms; at least `likely`
   double tolerance = 0.01;
   bool within = true;
   std::size_t trial_pulses = 0;

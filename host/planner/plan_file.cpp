@@ -265,6 +265,8 @@ LidarDecision replayed(const PlanFile::Entry& entry, const std::vector<std::stri
     conflict(path, entry.name, "subrays", std::to_string(out.subrays), std::to_string(entry.subrays) + " sub-rays");
   out.subrays = entry.subrays;
   out.rays_per_pulse = rays_of_pulse(plan, out.subrays);
+  if (changes.empty() && entry.decision.contains("pulse_error") && entry.decision.at("pulse_error").is_number())
+    out.pulse_error = entry.decision.at("pulse_error").get<double>();
   if (!changes.empty()) out.notes.push_back(first_guess_note(path, entry.name, "sub-rays", changes));
   return out;
 }

@@ -238,7 +238,10 @@ class Collector {
       if (tables_.multiple) copy_rows(multiple->data(), i, result_.multiple);
       if (tables_.way) {
         if (tables_.air_rows) copy_rows(way->data(), tables_.way_rows * i, result_.air);
-        if (tables_.way_rows > 1) add_rows(way->data(), 2 * i + 1, pixel, result_.first);
+        if (tables_.way_rows > 1) {
+          add_rows(way->data(), 2 * i + 1, pixel, result_.first);
+          copy_rows(way->data(), 2 * i + 1, result_.particles);
+        }
         add_sums(way_sums->data(), i);
       }
       add_ledger(ledger.data(), i);
@@ -254,12 +257,14 @@ class Collector {
     // What a sink leaves in its place is used again.
     result_.shot = shot;
     result_.first.clear(), result_.multiple.clear(), result_.air.clear(), result_.hits.clear();
+    result_.particles.clear();
     result_.background_hz.clear();
     result_.rays = 0;
     const std::size_t floats = owners_of_shot_ * tables_.owner_rows * static_cast<std::size_t>(plan_.lidar.gate.bins);
     result_.first.reserve(floats);
     if (tables_.multiple) result_.multiple.reserve(floats);
     if (tables_.air_rows) result_.air.reserve(floats);
+    if (tables_.way && tables_.way_rows > 1) result_.particles.reserve(floats);
     result_.ledger.assign(static_cast<std::size_t>(plan_.lines()), {});
   }
   /// Those of the next pixel.

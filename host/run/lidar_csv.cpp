@@ -58,8 +58,8 @@ std::vector<std::string> return_columns(const scene::Simulation& simulation) {
   return joined({{"pulse", "pixel", "line", "return", "of", "time_s", "gps_time_s"},
                  place_columns(simulation, ""),
                  {"range_m", "delay_ns", "peak_pe", "energy_pe", "fwhm_ns", "detection_probability", "saturated",
-                  "chance", "range_true_m", "expected_pe", "order", "object", "material", "incidence_deg", "overlap",
-                  "transmission_2way", "footprint_share"}});
+                  "cut_by_gate", "las_class", "chance", "range_true_m", "expected_pe", "order", "object", "material",
+                  "incidence_deg", "overlap", "transmission_2way", "footprint_share"}});
 }
 
 }  // namespace
@@ -67,6 +67,15 @@ std::vector<std::string> return_columns(const scene::Simulation& simulation) {
 std::string line_name(const scene::Lidar& lidar, int line) {
   const auto& name = lidar.pulse.lines[static_cast<std::size_t>(line)].name;
   return name.empty() ? "line " + std::to_string(line + 1) : name;
+}
+
+int las_class_of(const scene::Simulation& simulation, const scene::Lidar& lidar, const lidar::Echo& echo,
+                 const lidar::ReturnTruth& behind) {
+  constexpr int kUnclassified = 1, kNoise = 7;  // ASPRS standard classes
+  const double doubtful = lidar.echoes.noise_class_above;
+  if (doubtful > 0 && static_cast<double>(echo.chance) > doubtful) return kNoise;
+  if (behind.material >= simulation.scene.materials.size()) return kUnclassified;
+  return static_cast<int>(simulation.scene.materials[behind.material].las_class);
 }
 
 LidarCsv::LidarCsv(base::OutputSet& set, const scene::Simulation& simulation, const lidar::LidarPlan& plan)
@@ -96,7 +105,12 @@ void LidarCsv::add_return(const lidar::Shot& shot, const lidar::Detection& d, co
       .add(echo.energy_pe)
       .add(echo.fwhm_s * 1e9f)
       .add(echo.detection_probability);
-  returns_.add(static_cast<int>(echo.saturated)).add(echo.chance).add(t.range_m).add(t.expected_pe).add(t.order);
+  returns_.add(static_cast<int>(echo.saturated)).add(static_cast<int>(echo.cut));
+  returns_.add(las_class_of(simulation_, plan_.lidar, echo, t))
+      .add(echo.chance)
+      .add(t.range_m)
+      .add(t.expected_pe)
+      .add(t.order);
   if (t.object == RC_NONE)
     returns_.add("");
   else

@@ -20,6 +20,10 @@ namespace raycube::run {
 /// The line's name, or its number from 1.
 std::string line_name(const scene::Lidar& lidar, int line);
 
+/// ASPRS class of a return: noise, its material's, or unclassified.
+int las_class_of(const scene::Simulation& simulation, const scene::Lidar& lidar, const lidar::Echo& echo,
+                 const lidar::ReturnTruth& truth);
+
 /// returns.csv (a row per return), pulses.csv (a row per pulse and line) and, of Geiger detectors, photons.csv (a row
 /// per event).
 class LidarCsv {

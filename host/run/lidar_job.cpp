@@ -1,6 +1,8 @@
 #include "host/run/lidar_job.h"
 
+#include <algorithm>
 #include <chrono>
+#include <new>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -33,6 +35,22 @@ std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulatio
                                             "= \"layered\", or \"none\" for no air");
 }
 
+namespace {
+
+/// A run is not lost because its error cannot be told.
+void find_error(render::LidarRenderer& renderer, LidarJob& job) {
+  try {
+    job.error = planner::own_error(renderer, job.plan, job.decision);
+  } catch (const base::Error& failure) {
+    if (failure.fault() == base::Fault::interrupted) throw;
+    job.error.from = failure.what();
+  } catch (const std::bad_alloc&) {
+    job.error.from = "there is not enough memory for a trial";
+  }
+}
+
+}  // namespace
+
 LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Services& services,
                        const LidarPlanning& planning) {
   LidarJob job;
@@ -58,6 +76,11 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   }
   if (job.decision.subrays != job.plan.lidar.transport.subrays) planner::set_subrays(job.plan, job.decision.subrays);
   for (const auto& note : job.decision.notes) services.log.warning(note);
+  job.error.tolerance = job.decision.tolerance;
+  if (planning.renderer && (job.decision.estimated || planning.own_error)) find_error(*planning.renderer, job);
+  job.plan.waveform_error = job.decision.pulse_error >= 0 ? job.decision.pulse_error
+                            : job.error.known()           ? job.error.total
+                                                          : 0;
   job.plan_s = base::seconds_since(start);
   services.log.detail(lidar.name + ": air profiles in " + std::to_string(job.table_s) + " s, plan in " +
                       std::to_string(job.plan_s) + " s");

@@ -7,6 +7,7 @@
 
 #include "host/run/services.h"
 #include "host/lidar/lidar_plan.h"
+#include "host/planner/lidar_own_error.h"
 #include "host/planner/lidar_trial.h"
 #include "host/render/renderer.h"
 #include "scene_compiler/simulation.h"
@@ -23,12 +24,15 @@ struct LidarPlanning {
   const planner::PlanFile* replay = nullptr;  ///< instead of a trial; with the path it was read from
   std::string replay_path;
   bool estimate_given = false;
+  /// Where no trial was made: whether pulses are fired to know the run's error, which echo finders are told.
+  bool own_error = false;
 };
 
 struct LidarJob {
   const scene::Lidar* lidar = nullptr;  ///< as the file has it; the plan's own has the planner's sub-rays
   lidar::LidarPlan plan;
   planner::LidarDecision decision;
+  planner::LidarOwnError error;
   std::string air_json;                  ///< what the air was made of; empty: none
   std::vector<std::string> air_notices;  ///< of the air; the log has them
   double table_s = 0, plan_s = 0;

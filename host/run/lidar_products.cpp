@@ -238,12 +238,8 @@ struct LidarProducts::State {
     p.return_number = std::clamp(echo.number, 1, p.number_of_returns);
     p.scanner_channel = std::min(d.line, 3);
     p.user_data = static_cast<std::uint8_t>(std::min(d.line, 255));
-    constexpr std::uint8_t kUnclassified = 1, kNoise = 7;  // ASPRS standard classes
-    const double doubtful = lidar.echoes.noise_class_above;
-    const bool known = behind.material < simulation.scene.materials.size();
-    p.classification = doubtful > 0 && static_cast<double>(echo.chance) > doubtful ? kNoise
-                       : known ? static_cast<std::uint8_t>(simulation.scene.materials[behind.material].las_class)
-                               : kUnclassified;
+    p.classification = static_cast<std::uint8_t>(las_class_of(simulation, lidar, echo, behind));
+    p.withheld = echo.cut;
     p.scan_to_right = line.to_right();
     p.scan_angle_deg = std::remainder(base::deg_from_rad(shot.scan_angle_rad), 360.0);
     p.source_id = static_cast<std::uint16_t>(lidar.strip);

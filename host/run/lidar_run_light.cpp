@@ -44,7 +44,8 @@ void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::De
       for (std::size_t bin = from; !rows.empty() && bin <= to; ++bin) sum += static_cast<double>(rows[row + bin]);
       return lidar.receiver.quantum_efficiency * sum;
     };
-    const double matter = within(result.first) + within(result.multiple), air = within(result.air);
+    const double media = lidar.echoes.air_is_background && !geiger ? within(result.particles) : 0;
+    const double matter = within(result.first) + within(result.multiple) - media, air = within(result.air) + media;
     const double width = static_cast<double>(to - from + 1), noise = record.truth.noise_pe;
     const double other = geiger ? air + width * record.truth.background_pe : std::sqrt(air + width * noise * noise);
     if (matter > 0) returns_of_matter_ += matter / (matter + other);
@@ -54,12 +55,19 @@ void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::De
 void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& records) {
   if (shots_++ == 0)
     half_bins_ = base::kFwhmOfSigma * lidar::recorded_sigma_s(plan_.lidar) / plan_.lidar.gate.bin_s + 1;
+  double of_matter = 0;
   for (const auto* rows : {&result.first, &result.multiple}) {
     const lidar::BinSums sums = lidar::sums_of(rows->data(), rows->size());
-    matter_photons_ += sums.sum;
+    matter_photons_ += sums.sum, of_matter += sums.sum;
     strongest_pe_ = std::max(strongest_pe_, plan_.lidar.receiver.quantum_efficiency * sums.largest);
   }
   air_photons_ += lidar::sums_of(result.air.data(), result.air.size()).sum;
+  if (plan_.lidar.echoes.air_is_background && plan_.lidar.detector.mode != scene::DetectorMode::geiger) {
+    const double particles = lidar::sums_of(result.particles.data(), result.particles.size()).sum;
+    // What is left of sums in floats is nothing.
+    const double others = of_matter - particles > 1e-5 * particles ? of_matter - particles : 0;
+    matter_photons_ -= of_matter - others, air_photons_ += particles;
+  }
   for (const auto& record : records) {
     echoes_ += record.echoes.size();
     add_returns(result, record);
@@ -114,7 +122,10 @@ std::string LidarRunLight::where_it_went() const {
            shares_text({{mean_.early / mean_.collected, "came before the gate opens"},
                         {mean_.late / mean_.collected, "after it closes"},
                         {mean_.near / mean_.collected, "from nearer than minimum_range_m"}}) +
-           "; " + gate + ", set start_range_m and stop_range_m";
+           "; " +
+           (mean_.near > mean_.early + mean_.late
+                ? fmt::format("minimum_range_m is {:.6g}, lower it", lidar.transport.minimum_range_m)
+                : gate + ", set start_range_m and stop_range_m");
   return "the receiver sees nothing of the light that surfaces scatter: " + fate +
          "; see fov_mrad, tilts and offsets of transmitter and receiver";
 }
@@ -125,7 +136,10 @@ std::string LidarRunLight::warning() const {
   if (echoes_ > 0 && (returns_of_matter_ >= kProbablyNone || air_wanted)) return {};
   const std::string what =
       echoes_ == 0 ? "no return was found" : fmt::format("all {} returns are noise, background or air", echoes_);
-  const std::string air = matter_photons_ > 0 || !(air_photons_ > 0) ? "" : "; the gate holds the air's own return";
+  const std::string air =
+      matter_photons_ > 0 || !(air_photons_ > 0)
+          ? ""
+          : "; the gate holds the return of air and particles, which may count as background (air_is_background)";
   return fmt::format("{}: {} in {} pulses: {}{}", plan_.lidar.name, what, shots_, where_it_went(), air);
 }
 

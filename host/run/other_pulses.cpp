@@ -52,6 +52,7 @@ void OtherPulses::add_to(std::vector<lidar::ShotResult>& results, render::LidarR
     renderer.render(other.plan, shots, [&](lidar::ShotResult&& found) {
       lidar::ShotResult& result = *open[found.shot.pulse];
       add(result.first, found.first), add(result.multiple, found.multiple), add(result.air, found.air);
+      add(result.particles, found.particles);
       const auto bins = static_cast<std::size_t>(other.plan.lidar.gate.bins), lines = result.ledger.size();
       for (const auto* rows : {&found.first, &found.multiple, &found.air})
         for (std::size_t i = 0; i < rows->size(); ++i) {

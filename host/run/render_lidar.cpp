@@ -26,6 +26,7 @@
 #include "host/lidar/apply_turbulence.h"
 #include "host/lidar/image_blur.h"
 #include "host/lidar/detection.h"
+#include "host/lidar/echoes.h"
 #include "host/plan/plan.h"
 #include "host/planner/lidar_own_error.h"
 #include "host/reference/double_trace.h"
@@ -40,7 +41,7 @@ namespace {
 
 std::size_t bytes_of_rows(const lidar::LidarPlan& plan) {
   const auto& transport = plan.lidar.transport;
-  const std::size_t kinds = 1 + (transport.max_bounces > 1) + transport.air_return;
+  const std::size_t kinds = 1 + (transport.max_bounces > 1) + transport.air_return + !plan.cross_section_cm2.empty();
   const std::size_t samples =
       static_cast<std::size_t>(transport.subrays) *
       (transport.sampling == scene::LidarSampling::receiver ? static_cast<std::size_t>(plan.pixels()) : 1u);
@@ -151,19 +152,10 @@ class WaysOfShots {
 };
 
 /// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
-/// not kept. A run that is whole is not lost because its error cannot be told.
-void add_error(render::LidarRenderer& renderer, const LidarJob& job, products::RunRecord& record, Services& services) {
+/// not kept.
+void add_error(const LidarJob& job, products::RunRecord& record, Services& services) {
   for (const auto& note : job.decision.notes) record.warnings.push_back(note);
-  planner::LidarOwnError error;
-  error.tolerance = job.decision.tolerance;
-  try {
-    error = planner::own_error(renderer, job.plan, job.decision);
-  } catch (const base::Error& failure) {
-    if (failure.fault() == base::Fault::interrupted) throw;
-    error.from = failure.what();
-  } catch (const std::bad_alloc&) {
-    error.from = "there is not enough memory for a trial";
-  }
+  const planner::LidarOwnError& error = job.error;
   const std::string text = job.lidar->name + ": " + planner::own_error_text(error);
   record.more_json.emplace_back("error", planner::own_error_json(error));
   if (error.kept() || !error.known() || job.decision.estimated) {  // what a trial found is among the plan's notes
@@ -239,7 +231,7 @@ class Survey {
   /// All that there are, before threads add to them; products are written beside the others, so that the sum may be
   /// more than what the run took.
   std::map<std::string, double> stage_s;
-  std::uint64_t rays = 0, echoes = 0;
+  std::uint64_t rays = 0, echoes = 0, cut = 0;
   double worst_ledger = 0;
   std::optional<nlohmann::json> turbulence;  ///< what it does to the first shot; empty: there is none
   LidarRunLight light;                       ///< where the run's light went
@@ -303,7 +295,10 @@ class Survey {
   void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& records) {
     light.add(result, records);
     rays += static_cast<std::uint64_t>(result.rays);
-    for (const auto& record : records) echoes += record.echoes.size();
+    for (const auto& record : records) {
+      echoes += record.echoes.size();
+      for (const auto& echo : record.echoes) cut += echo.cut;
+    }
     for (const auto& ledger : result.ledger) worst_ledger = std::max(worst_ledger, std::abs(ledger.emitted_error()));
   }
 
@@ -371,11 +366,18 @@ products::RunRecord record_of(const scene::Simulation& simulation, const LidarJo
   record.device_memory_bytes = device.global_memory_bytes;
   record.configuration_json = simulation.resolved_json;
   record.plan_json = plan_json(job).dump();
+  lidar::EchoFinder finder(job.plan.lidar, job.plan.waveform_error);
+  const bool waveforms = lidar.detector.mode != scene::DetectorMode::geiger;
   nlohmann::json more = {{"pulses", lidar.pulses},
                          {"echoes", survey.echoes},
                          {"pulses_per_s", static_cast<double>(lidar.pulses) / render_s},
+                         {"returns_cut_by_gate", survey.cut},
                          {"worst_ledger_error", survey.worst_ledger},
                          {"returns_of_matter_expected", survey.light.returns_of_matter()}};
+  if (waveforms)
+    more["echo_finder"] = {{"waveform_error", job.plan.waveform_error},
+                           {"pulse_late_ns", 1e9 * finder.pulse_late_s()},
+                           {"pulse_shape_error", finder.pulse_shape_error()}};
   if (survey.turbulence) more["turbulence"] = *survey.turbulence;
   record.warnings = light_notices(simulation, lidar);
   record.warnings.insert(record.warnings.end(), job.air_notices.begin(), job.air_notices.end());
@@ -391,7 +393,7 @@ LidarRun render_lidar(const scene::Simulation& simulation, const scene::Lidar& l
                       const Planning& planning) {
   render::LidarRenderer renderer(simulation.scene, options);
   LidarJob job = prepare_lidar(simulation, lidar, services,
-                               {&renderer, planning.replay, planning.replay_path, planning.estimate_given});
+                               {&renderer, planning.replay, planning.replay_path, planning.estimate_given, true});
   Survey survey(simulation, job, options, services);
   const auto start = std::chrono::steady_clock::now();
   LidarProducts output(destination.folder, destination.if_exists, simulation, job.plan);
@@ -405,7 +407,14 @@ LidarRun render_lidar(const scene::Simulation& simulation, const scene::Lidar& l
     record.warnings.push_back(warning);
     services.log.warning(warning);
   }
-  add_error(renderer, job, record, services);
+  if (100 * survey.cut > survey.echoes) {
+    record.warnings.push_back(fmt::format(
+        "{}: {} of {} returns lie within half a pulse of the gate's ends, where their ranges are but bounds "
+        "(cut_by_gate in returns.csv, withheld in LAS); see start_range_m and stop_range_m",
+        lidar.name, survey.cut, survey.echoes));
+    services.log.warning(record.warnings.back());
+  }
+  add_error(job, record, services);
   const std::size_t told = record.warnings.size();
   output.publish(record);
   for (std::size_t i = told; i < record.warnings.size(); ++i)

@@ -8,12 +8,16 @@
 
 #define RC_MOMENT_SLOTS 16u
 #define RC_MOMENT_WORDS 16u
+/* Words that are added up before their sums go to the row: of 65 536 sub-rays as many sums, which a float of all of
+ * them would hold to 5e-5 alone, and blocks of them to 1e-6. */
+#define RC_MOMENT_BLOCK 64u
 /* Lines of an owner whose hits are folded, at most. */
 #define RC_MOST_FOLDED (RC_MOST_LINES < RC_FOLDED_LINES ? RC_MOST_LINES : RC_FOLDED_LINES)
 
 typedef struct Moments {
   float sum[RC_MOMENT_SLOTS][16 * RC_MOMENTS];
-  uint cell[RC_MOMENT_SLOTS]; /* from the row's first float on; RC_NONE: free */
+  uint cell[RC_MOMENT_SLOTS];  /* from the row's first float on; RC_NONE: free */
+  uint words[RC_MOMENT_SLOTS]; /* added to the slot's sums */
   /* Words that wait. How many cells one has is a branch that no processor foretells: it is taken when what it hangs on
    * is long known, and the paths before it do not stop there. */
   uint waiting_cell[RC_MOMENT_WORDS][16]; /* RC_NONE: nothing in the lane */
@@ -66,10 +70,12 @@ static inline void rc_sort_word(const LidarTables* t, Moments* kept, uint word, 
     if (kept->cell[slot] == here) {
 #pragma unroll
       for (uint k = 0; k < RC_MOMENTS; ++k, moment *= y) rc_store16(rc_load16(k, sum) + moment, k, sum);
+      if (++kept->words[slot] == RC_MOMENT_BLOCK) rc_fold(t, kept, slot, row, sums);
       continue;
     }
     if (kept->cell[slot] != RC_NONE) rc_fold(t, kept, slot, row, sums);
     kept->cell[slot] = here;
+    kept->words[slot] = 1u;
 #pragma unroll
     for (uint k = 0; k < RC_MOMENTS; ++k, moment *= y) rc_store16(moment, k, sum);
   }

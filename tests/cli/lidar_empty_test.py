@@ -168,7 +168,11 @@ particles = { extinction_per_m = %s }
     aside = dict(height=200.0, more="roll_deg = 90.0\nheading_deg = 180.0", start=5.0, stop=60.0)
     place = ("position_m = [0.0, 0.0, 200.0]", "position_m = [30.0, -20.0, 200.0]")
     change = lambda extinction: [place, ("[atmosphere]", plume % extinction + "[atmosphere]")]
+    # By default what particles send back is background, as the air's is.
     returns, said, _ = rendered(work, change("1.0"), **aside)
+    one(said, "no return was found", "return of air and particles", "air_is_background")
+    seen = [*change("1.0"), ("[lidar.echoes]", "[lidar.echoes]\nair_is_background = false")]
+    returns, said, _ = rendered(work, seen, **aside)
     check(returns and not said, returns, said)
 
 
@@ -197,7 +201,7 @@ def known_after(work):
     check(all(row["order"] == "0" for row in returns), returns)
     air = record(work / "out/scan")["atmosphere"]  # what it was made of, and what is to be known of it
     check(air["model"] and "near 1064 nm" in air["limits"][0] and air["notices"] == [], air)
-    one(said, "after it closes", "the gate holds the air's own return")
+    one(said, "after it closes", "the gate holds the return of air and particles")
     # Where all is well nothing is said.
     returns, said, kept = rendered(work)
     check(len(returns) == 4 and said == [] and kept == [], said, kept)

@@ -9,6 +9,7 @@
 #include "host/lidar/detector.h"
 #include "host/lidar/echoes.h"
 #include "host/lidar/normal_edges.h"
+#include "host/lidar/pulse_taps.h"
 #include "tests/oracle/lidar_detection_cases.h"
 #include "tests/support/chance_checks.h"
 
@@ -211,6 +212,114 @@ TEST_CASE("S40: a threshold is reached by a peak of exactly so many photo-electr
   lidar.detector.mode = scene::DetectorMode::linear;
   CHECK(bin_detection(lidar, noise, 40, 0) == 1);
   CHECK(bin_detection(lidar, noise, std::nextafter(40.0, 0.0), 0) == 0);
+}
+
+TEST_CASE("S40: two plates 1.1 to 2 widths of the pulse apart, by every method, counts drawn") {
+  for (const auto method : {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian})
+    for (const double apart : {1.1, 1.25, 1.4, 1.6, 2.0}) {
+      LidarPlan plan = test::small_plan();
+      plan.lidar.echoes.method = method;
+      ShotResult shot = test::empty_shot(plan);
+      const double first = 80.3, second = first + 4 * apart;
+      test::add_return(shot.first, 1e5, first, kSigmaBins), test::add_return(shot.first, 9e4, second, kSigmaBins);
+      CAPTURE(static_cast<int>(method));
+      CAPTURE(apart);
+      for (int pulse = 0; pulse < 20; ++pulse) {
+        shot.shot.pulse = pulse;
+        const auto echoes = detect(plan, shot).front().echoes;
+        REQUIRE(echoes.size() == 2);
+        // 2 cm, as ranges are asked for; shot noise is 0.2 cm.
+        CHECK(kHalfLight * std::abs(echoes[0].time_s - 6600e-9 - first * 1e-9) < 0.02);
+        CHECK(kHalfLight * std::abs(echoes[1].time_s - 6600e-9 - second * 1e-9) < 0.02);
+        CHECK(echoes[0].fwhm_s == doctest::Approx(4e-9).epsilon(0.1));
+        CHECK(echoes[1].fwhm_s == doctest::Approx(4e-9).epsilon(0.1));
+        CHECK(echoes[0].energy_pe == doctest::Approx(1e5).epsilon(0.1));
+        CHECK(echoes[1].energy_pe == doctest::Approx(9e4).epsilon(0.1));
+      }
+    }
+}
+
+TEST_CASE("S40: ranges count from the pulse's declared time, whatever its shape, by every method") {
+  // A steep rise and a long fall: t^2 exp(-t / 1.2 ns), 4.1 ns wide; its peak lies at 2.4 ns, its centroid at 3.6 ns.
+  for (const double zero_ns : {0.0, 2.4, 3.6})
+    for (const auto method :
+         {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
+      LidarPlan plan = test::small_plan(120);
+      plan.lidar.echoes.method = method;
+      scene::LidarPulse& pulse = plan.lidar.pulse;
+      pulse.shape = scene::PulseShape::tabulated;
+      double area = 0;
+      for (int i = 0; i <= 300; ++i) {
+        const double t = 0.1 * i;
+        pulse.shape_time_s.push_back((t - zero_ns) * 1e-9);
+        pulse.shape_power.push_back(t * t * std::exp(-t / 1.2));
+        area += 0.1e-9 * pulse.shape_power.back();
+      }
+      for (double& power : pulse.shape_power) power /= area;
+      plan.lidar.echoes.threshold_pe = 5;  // above single photons of the tail, each of which would be a return
+      ShotResult shot = test::empty_shot(plan);
+      for (const double photons : {300.0, 3e4, 3e6}) {
+        double sum = 0;
+        constexpr int pulses = 64;
+        std::size_t returns = 0;
+        for (int number = 0; number < pulses; ++number) {
+          const double at = 40 + (number + 0.5) / pulses;  // every place within a bin
+          for (std::size_t i = 0; i < shot.first.size(); ++i) {
+            const double from = static_cast<double>(i) - at;
+            shot.first[i] = static_cast<float>(photons * pulse_share(pulse, from * 1e-9, (from + 1) * 1e-9));
+          }
+          shot.shot.pulse = number;
+          const auto echoes = detect(plan, shot).front().echoes;
+          returns += echoes.size();
+          const auto strongest = std::max_element(
+              echoes.begin(), echoes.end(), [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
+          sum += strongest->time_s - 6600e-9 - at * 1e-9;
+        }
+        CAPTURE(zero_ns);
+        CAPTURE(static_cast<int>(method));
+        CAPTURE(photons);
+        // 2 cm; the mean of 64 pulses of 300 photo-electrons is known to 0.3 cm by the best of methods.
+        CHECK(std::abs(kHalfLight * sum / pulses) < 0.02);
+        CHECK(returns <= pulses + 3);
+      }
+    }
+}
+
+TEST_CASE("S40: a return that the gate cuts says so") {
+  LidarPlan plan = test::small_plan(100);
+  ShotResult shot = test::empty_shot(plan);
+  for (const double at : {-1.5, 0.5, 50.0, 99.0, 101.5}) {
+    std::fill(shot.first.begin(), shot.first.end(), 0.0F);
+    test::add_return(shot.first, 1e4, at, kSigmaBins);
+    CAPTURE(at);
+    for (const Echo& echo : detect(plan, shot).front().echoes) CHECK(echo.cut == (at != 50));
+  }
+}
+
+TEST_CASE("S40: what particles of volumes send back counts as background where air does") {
+  LidarPlan plan = test::small_plan(400);
+  plan.lidar.echoes.false_returns = 0.01;
+  ShotResult shot = test::empty_shot(plan);
+  shot.particles.assign(shot.first.size(), 0.0F);
+  for (std::size_t i = 50; i < 350; ++i) shot.first[i] = shot.particles[i] = 0.05F;
+  test::add_return(shot.first, 500, 200.5, kSigmaBins);
+  for (const bool background : {true, false}) {
+    plan.lidar.echoes.air_is_background = background;
+    std::size_t returns = 0;
+    constexpr int pulses = 200;
+    for (int pulse = 0; pulse < pulses; ++pulse) {
+      shot.shot.pulse = pulse;
+      const auto echoes = detect(plan, shot).front().echoes;
+      returns += echoes.size();
+      CHECK(std::any_of(echoes.begin(), echoes.end(),
+                        [](const Echo& echo) { return std::abs(echo.time_s - 6800.5e-9) < 1e-9; }));
+    }
+    // One is the surface's; asked for are at most 0.05 beside it.
+    if (background)
+      CHECK(returns <= 1.05 * pulses);
+    else
+      CHECK(returns > 5 * pulses);
+  }
 }
 
 TEST_CASE("S39: clusters of time tags are echoes") {
