@@ -48,6 +48,8 @@ constexpr double kUpper = 0.25;
 constexpr double kLoneRays = 2, kLoneWidths = 2;
 /// Dips of fewer standard deviations of the waveform's own error part no peaks.
 constexpr double kRipple = 3;
+/// A return whose flank is longer by so much than the pulse's may come from many ranges.
+constexpr double kSteep = 1.2;
 
 }  // namespace
 
@@ -155,9 +157,11 @@ void EchoFinder::find_peaks(std::size_t begin, std::size_t end) {
       // Two maxima near each other differ by chance less than the highest and lowest of a long plateau do.
       const bool far = static_cast<double>(i - kept_.back()) > 4 * sigma_bins_,
                  apart = far && smooth_[lowest] < 0.5 * lower;
-      const double chance = noisy_ && !apart ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0,
-                   ripple = kRipple * ray_noise(smooth_[i] < smooth_[kept_.back()] ? i : kept_.back(), lower);
-      if (dip > std::max(1e-5 * lower, std::hypot(chance, ripple))) break;
+      const double chance = noisy_ ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0,
+                   ripple = is_steep(kept_.back(), -1) && is_steep(i, 1)
+                                ? 0
+                                : kRipple * ray_noise(smooth_[i] < smooth_[kept_.back()] ? i : kept_.back(), lower);
+      if (apart || dip > std::max(1e-5 * lower, std::hypot(chance, ripple))) break;
       if (smooth_[i] <= smooth_[kept_.back()]) {
         stands = false;
         break;
@@ -180,6 +184,18 @@ void EchoFinder::find_peaks(std::size_t begin, std::size_t end) {
     for (std::size_t k = 0; k < peaks_.size();)
       if (!split_unsmoothed(k)) ++k;
   if (waveform_error_ > 0) drop_lone_rays();
+}
+
+/// Whether a flank of a maximum falls to a tenth as soon as the pulse's own: one range alone is behind it.
+bool EchoFinder::is_steep(std::size_t at, int step) const {
+  const double fall_bins = std::hypot(sigma_bins_, used_->sigma_bins) * std::sqrt(2 * std::log(10.0));
+  const auto most = static_cast<std::ptrdiff_t>(std::ceil(kSteep * fall_bins)),
+             bins = static_cast<std::ptrdiff_t>(smooth_.size()), from = static_cast<std::ptrdiff_t>(at);
+  for (std::ptrdiff_t n = 0; n <= most; ++n) {
+    const std::ptrdiff_t i = from + step * n;
+    if (i < 0 || i >= bins || smooth_[static_cast<std::size_t>(i)] < 0.1 * smooth_[at]) return true;
+  }
+  return false;
 }
 
 /// Bright returns that smoothing has run into one: a dip of 5 standard deviations between two bins of its upper part.
@@ -208,19 +224,30 @@ bool EchoFinder::split_unsmoothed(std::size_t k) {
   return true;
 }
 
-/// Where the outermost sub-rays of a slope stand apart from the others, each would be a return of its own.
+/// Where the outermost sub-rays of a slope stand apart, each would be a return of its own. Only a return
+/// that is itself stretched by more than the gap has such: what stands beside a narrow one is another surface.
 void EchoFinder::drop_lone_rays() {
   const double most = kLoneRays * light_ / std::max(1, lidar_.transport.subrays);
-  const double near = kLoneWidths * base::kFwhmOfSigma * sigma_bins_;
+  const double sigma = std::hypot(sigma_bins_, used_->sigma_bins),
+               near = kLoneWidths * base::kFwhmOfSigma * sigma_bins_;
   const auto is_lone = [&](const Peak& peak) {
     double light = 0, of_surfaces = 0;
     for (std::size_t i = peak.left; i < peak.right; ++i)
       light += smooth_[i], of_surfaces += surfaces_.empty() ? smooth_[i] : surfaces_[i];
     return light < most && of_surfaces > 0.5 * light;
   };
+  // Of a pulse that one range alone sends back, what is above the hundredth at which a return is followed.
+  const double reach = sigma * std::sqrt(2 * std::log(100.0));
+  const auto stretched = [&](const Peak& one, const Peak& other) {
+    const Peak& early = one.at < other.at ? one : other;
+    const Peak& late = one.at < other.at ? other : one;
+    const double edges = static_cast<double>(late.left) - static_cast<double>(early.right), gap = edges + 2 * reach;
+    const double depth = static_cast<double>(other.right - other.left) - 2 * reach;
+    return edges < near && depth > gap;
+  };
   for (std::size_t k = 0; k < peaks_.size() && peaks_.size() > 1;) {
-    const bool beside = (k > 0 && static_cast<double>(peaks_[k].left - peaks_[k - 1].right) < near) ||
-                        (k + 1 < peaks_.size() && static_cast<double>(peaks_[k + 1].left - peaks_[k].right) < near);
+    const bool beside = (k > 0 && stretched(peaks_[k], peaks_[k - 1])) ||
+                        (k + 1 < peaks_.size() && stretched(peaks_[k], peaks_[k + 1]));
     if (beside && is_lone(peaks_[k]))
       peaks_.erase(peaks_.begin() + static_cast<std::ptrdiff_t>(k)), k = 0;
     else

@@ -64,6 +64,7 @@ class EchoFinder {
   }
   bool split_unsmoothed(std::size_t peak);
   void drop_lone_rays();
+  bool is_steep(std::size_t at, int step) const;
   double crossing(std::size_t from, double level, int step) const;
   std::array<double, 2> vertex(std::size_t at) const;
   bool saturated(std::size_t left, std::size_t right) const;

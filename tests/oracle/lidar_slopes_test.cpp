@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "host/base/units.h"
 #include "host/lidar/detection.h"
 #include "host/planner/lidar_trial.h"
 #include "tests/support/lidar_device.h"
@@ -76,6 +77,39 @@ TEST_CASE("S40: one plane at 30 to 60 degrees is one return, whatever its light,
         CHECK(worst_m < 0.05);
       }
     }
+}
+
+TEST_CASE(
+    "S40: a wire above flat ground that one or two of 64 sub-rays meet is a return, whatever the waveform's error") {
+  // Both surfaces are level: two ranges, and nothing between them for a ripple or an outermost sub-ray to come from.
+  for (const double height_m : {1.5, 1.8, 2.4, 4.0})
+    for (const auto method :
+         {scene::EchoMethod::gaussian, scene::EchoMethod::peak, scene::EchoMethod::constant_fraction})
+      for (const double waveform_error : {0.003, 0.03, 0.3}) {
+        Slope slope(0, method);
+        test::add_rectangle(slope.scene, 0, {0.28, -100, height_m}, {0.04, 0, 0}, {0, 200, 0});
+        finish_top_tree(slope.scene);
+        set_subrays(slope.plan, 64);
+        slope.plan.waveform_error = waveform_error;
+        std::size_t met = 0, found = 0, others = 0;
+        for (lidar::ShotResult& shot : test::render_shots(
+                 slope.scene, slope.plan, lidar::make_shots(slope.plan.lidar, 0, kPulses, slope.plan.seed))) {
+          const double strength = 3e5 / (test::total(shot.first) * slope.plan.lidar.receiver.quantum_efficiency);
+          for (float& bin : shot.first) bin = static_cast<float>(bin * strength);
+          const auto of_wire = static_cast<std::size_t>(
+              std::lround((2 * (1000 - height_m) / base::kLightSpeed_m_s - slope.plan.lidar.gate.start_s) * 1e9 - 0.5));
+          met += shot.first[of_wire] > 1000;  // a sub-ray brings four times as many, the ground 8
+          const auto echoes = lidar::detect(slope.plan, shot).front().echoes;
+          found += echoes.size() == 2 && std::abs(echoes[0].range_m - (1000 - height_m)) < 0.1;
+          others += echoes.size() > 2;
+        }
+        CAPTURE(height_m);
+        CAPTURE(static_cast<int>(method));
+        CAPTURE(waveform_error);
+        CHECK(met > 50);
+        CHECK(found == met);
+        CHECK(others == 0);
+      }
 }
 
 TEST_CASE("S28: 65 536 sub-rays bring the energy that 64 do, to 2e-6, into one bin and into many") {
