@@ -126,6 +126,13 @@ struct ShotResult {
       background_hz;           ///< [pixel][line], photons / s at the detector from the passive scene; empty: none
   std::vector<Ledger> ledger;  ///< [line]
   std::vector<FirstHit> hits;  ///< [sub-ray] (transmitter), [pixel][sample] (receiver); empty unless asked for
+  /// A pulse fired so many pulses before this one (negative: after it) part of whose light is in this one's rows.
+  struct Other {
+    std::int64_t pulses_back = 0;
+    Shot shot;
+    std::vector<FirstHit> hits;
+  };
+  std::vector<Other> others;  ///< empty unless hits are asked for
   std::int64_t rays = 0;
 };
 

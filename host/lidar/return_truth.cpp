@@ -258,19 +258,20 @@ SurfacePoint HitPlane::met_by(const SubRay& ray) const {
   return out;
 }
 
-std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes,
-                                      const LidarPlan& plan, const ShotResult& result, int pixel, int line,
-                                      const std::vector<Echo>& echoes) {
+namespace {
+
+/// Of one pulse's light in echoes whose ranges count from when it was sent.
+std::vector<ReturnTruth> truth_of_pulse(const scene::CompiledScene& scene, const FlatVolumes& volumes,
+                                        const LidarPlan& plan, const Shot& shot, const std::vector<FirstHit>& hits,
+                                        int pixel, int line, const std::vector<Echo>& echoes,
+                                        std::vector<OfEcho> of_echo) {
   std::vector<ReturnTruth> out(echoes.size());
   const scene::Lidar& lidar = plan.lidar;
   const auto& receiver = lidar.receiver;
-  const Shot& shot = result.shot;
   const bool backwards = lidar.transport.sampling == scene::LidarSampling::receiver, array = plan.pixels() > 1;
   const int samples = static_cast<int>(plan.footprint.a.size());
   const double m_per_s = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index,
                late_m = m_per_s * pulse_centroid_s(lidar.pulse);
-  std::vector<OfEcho> of_echo;
-  set_windows(plan, result, pixel, line, echoes, of_echo);
   const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) *
                       receiver.efficiency * receiver.quantum_efficiency * shot.gain *
                       (shot.line_gain.empty() ? 1 : shot.line_gain[static_cast<std::size_t>(line)]);
@@ -282,7 +283,7 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
   Diffuse matter;
   std::uint32_t surface = RC_NONE;  ///< of matter
   for (int k = 0; k < samples; ++k) {
-    const auto& hit = result.hits[static_cast<std::size_t>(backwards ? pixel * samples + k : k)];
+    const auto& hit = hits[static_cast<std::size_t>(backwards ? pixel * samples + k : k)];
     if (hit.instance == RC_NONE) continue;
     if (!plane.is_of(hit)) plane = HitPlane(scene, hit);  // neighbours mostly meet the same triangle
     const SurfacePoint point = plane.met_by(rays.ray(k));
@@ -347,6 +348,27 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
         truth.subray_share /= static_cast<float>(samples);
   }
   name_senders(senders, out);
+  return out;
+}
+
+}  // namespace
+
+std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes,
+                                      const LidarPlan& plan, const ShotResult& result, int pixel, int line,
+                                      const std::vector<Echo>& echoes) {
+  std::vector<OfEcho> of_echo;
+  set_windows(plan, result, pixel, line, echoes, of_echo);
+  auto out = truth_of_pulse(scene, volumes, plan, result.shot, result.hits, pixel, line, echoes, of_echo);
+  const double period_m =
+      0.5 * base::kLightSpeed_m_s / plan.lidar.transport.group_index / std::max(plan.lidar.prf_hz, 1e-300);
+  for (const ShotResult::Other& other : result.others) {
+    std::vector<Echo> later = echoes;
+    for (Echo& echo : later) echo.range_m += static_cast<double>(other.pulses_back) * period_m;
+    const auto found = truth_of_pulse(scene, volumes, plan, other.shot, other.hits, pixel, line, later, of_echo);
+    for (std::size_t e = 0; e < out.size(); ++e)
+      if (found[e].expected_pe > out[e].expected_pe)
+        out[e] = found[e], out[e].pulses_back = static_cast<int>(other.pulses_back);
+  }
   return out;
 }
 

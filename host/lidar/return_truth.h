@@ -22,6 +22,8 @@ struct ReturnTruth {
   float overlap = 0;                 ///< mean vignetting
   float transmission_2way = 0;       ///< of air and volumes from exit to pupil, mean of the line after the exponential
   float subray_share = 0;            ///< of the pulse's sub-rays (receiver sampling: of the pixel's samples)
+  /// How many pulses before this one its light was sent, fold_ambiguous (negative: after it). range_m is of that pulse.
+  int pulses_back = 0;
 };
 
 /// A sub-ray's first surface.

@@ -19,7 +19,7 @@ using namespace las;
 constexpr std::size_t kBuffer_bytes = std::size_t{4} << 20;
 constexpr std::size_t kCounts_bytes =
     192;  ///< of the text of our VLR, padded: its place comes before the numbers are known
-constexpr std::uint16_t kTruth_bytes = 67;
+constexpr std::uint16_t kTruth_bytes = 69;
 constexpr double kLightSpeed_m_s = 299792458.0;
 
 struct ExtraField {
@@ -42,7 +42,8 @@ constexpr ExtraField kExtraFields[] = {{7, "pulse_id", "number of the pulse", fa
                                        {9, "trans_2way", "air transmission both ways", false},
                                        {9, "subray_fraction", "share of the footprint", false},
                                        {5, "pixel", "pixel of the array", false},
-                                       {9, "energy_pe", "measured photo-electrons", false}};
+                                       {9, "energy_pe", "measured photo-electrons", false},
+                                       {4, "pulses_back", "sent so many pulses earlier", false}};
 
 std::string vlr(const char* user, std::uint16_t id, const std::string& description, const std::string& data) {
   unsigned char header[kVlrHeader] = {};
@@ -110,6 +111,7 @@ void put_truth(unsigned char* record, const LasTruth& truth) {
   next(truth.subray_fraction);
   next(truth.pixel);
   next(truth.energy_pe);
+  next(truth.pulses_back);
 }
 
 void check_descriptor(const std::string& name, const LasDescriptor& d) {
@@ -275,7 +277,8 @@ double LasWriter::intensity_unit_pe() const {
 /// The points once more: their energies are in the file, the unit is known only now.
 void LasWriter::set_intensities() {
   const double unit = intensity_unit_pe();
-  const std::size_t energy_at = static_cast<std::size_t>(record_bytes_) - sizeof(float),
+  const std::size_t energy_at =
+                        std::size_t{record_bytes_} - sizeof(LasTruth::pulses_back) - sizeof(LasTruth::energy_pe),
                     piece_points = kBuffer_bytes / record_bytes_;
   for (std::uint64_t first = 0; first < count_; first += piece_points) {
     const std::size_t points = std::min<std::uint64_t>(piece_points, count_ - first);

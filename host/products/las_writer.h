@@ -24,12 +24,13 @@ struct LasTruth {
   std::uint8_t bounce_order = 1;    ///< scatterings of most of the echo's light; 0: none (false alarm, air)
   std::uint32_t object_id = kNoObject;
   std::uint16_t material_id = kNoMaterial;
-  float incidence_deg = 0;      ///< between beam and surface normal
-  float gff = 1;                ///< geometric form factor (overlap)
-  float transmission_2way = 1;  ///< of the air, to the surface and back
-  float subray_fraction = 1;    ///< share of the footprint that brought the echo
-  std::uint32_t pixel = 0;      ///< of an array
-  float energy_pe = 0;          ///< measured: photo-electrons in the echo
+  float incidence_deg = 0;       ///< between beam and surface normal
+  float gff = 1;                 ///< geometric form factor (overlap)
+  float transmission_2way = 1;   ///< of the air, to the surface and back
+  float subray_fraction = 1;     ///< share of the footprint that brought the echo
+  std::uint32_t pixel = 0;       ///< of an array
+  float energy_pe = 0;           ///< measured: photo-electrons in the echo
+  std::int16_t pulses_back = 0;  ///< how many pulses before pulse_id its light was sent, where ranges fold
 };
 
 /// Where a waveform lies in the packet file.

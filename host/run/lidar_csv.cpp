@@ -55,11 +55,13 @@ std::vector<std::string> pulse_columns(const scene::Simulation& simulation) {
 }
 
 std::vector<std::string> return_columns(const scene::Simulation& simulation) {
-  return joined({{"pulse", "pixel", "line", "return", "of", "time_s", "gps_time_s"},
-                 place_columns(simulation, ""),
-                 {"range_m", "delay_ns", "peak_pe", "energy_pe", "fwhm_ns", "detection_probability", "saturated",
-                  "cut_by_gate", "las_class", "chance", "range_true_m", "expected_pe", "order", "object", "material",
-                  "incidence_deg", "overlap", "transmission_2way", "footprint_share"}});
+  return joined(
+      {{"pulse", "pixel", "line", "return", "of", "time_s", "gps_time_s"},
+       place_columns(simulation, ""),
+       {"range_m",         "delay_ns",    "peak_pe",   "energy_pe",     "fwhm_ns",      "detection_probability",
+        "saturated",       "cut_by_gate", "las_class", "chance",        "range_true_m", "expected_pe",
+        "order",           "object",      "material",  "incidence_deg", "overlap",      "transmission_2way",
+        "footprint_share", "pulses_back"}});
 }
 
 }  // namespace
@@ -117,7 +119,12 @@ void LidarCsv::add_return(const lidar::Shot& shot, const lidar::Detection& d, co
     returns_.add(static_cast<std::int64_t>(t.object));
   returns_.add(t.material < simulation_.scene.materials.size() ? simulation_.scene.materials[t.material].name
                                                                : std::string());
-  returns_.add(t.incidence_deg).add(t.overlap).add(t.transmission_2way).add(t.subray_share).end_row();
+  returns_.add(t.incidence_deg)
+      .add(t.overlap)
+      .add(t.transmission_2way)
+      .add(t.subray_share)
+      .add(t.pulses_back)
+      .end_row();
 }
 
 void LidarCsv::add_photons(const lidar::Detection& d) {

@@ -266,6 +266,7 @@ struct LidarProducts::State {
     t.subray_fraction = behind.subray_share;
     t.pixel = static_cast<std::uint32_t>(d.pixel);
     t.energy_pe = echo.energy_pe;
+    t.pulses_back = static_cast<std::int16_t>(behind.pulses_back);
     last_points.push_back(p);
   }
 

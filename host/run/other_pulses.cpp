@@ -39,7 +39,9 @@ OtherPulses::OtherPulses(const scene::Simulation& simulation, const lidar::Lidar
 }
 
 void OtherPulses::add_to(std::vector<lidar::ShotResult>& results, render::LidarRenderer& renderer,
-                         const std::function<void(lidar::Shot&)>& ready) const {
+                         const std::function<void(lidar::Shot&)>& ready, bool hits) const {
+  if (others_.empty()) return;
+  for (auto& result : results) result.others.clear();
   for (const auto& other : others_) {
     std::map<std::int64_t, lidar::ShotResult*> open;
     for (auto& result : results) open[result.shot.pulse - other.back] = &result;
@@ -49,7 +51,7 @@ void OtherPulses::add_to(std::vector<lidar::ShotResult>& results, render::LidarR
     auto shots = lidar::make_shots(other.plan.lidar, first, last - first + 1, seed_);
     std::erase_if(shots, [&](const lidar::Shot& shot) { return open.count(shot.pulse) == 0; });
     for (auto& shot : shots) ready(shot);
-    renderer.render(other.plan, shots, [&](lidar::ShotResult&& found) {
+    const auto join = [&](lidar::ShotResult&& found) {
       lidar::ShotResult& result = *open[found.shot.pulse];
       add(result.first, found.first), add(result.multiple, found.multiple), add(result.air, found.air);
       add(result.particles, found.particles);
@@ -60,7 +62,9 @@ void OtherPulses::add_to(std::vector<lidar::ShotResult>& results, render::LidarR
           if (other.plan.photons[line] > 0) result.ledger[line].collected += (*rows)[i] / other.plan.photons[line];
         }
       result.rays += found.rays;
-    });
+      if (hits) result.others.push_back({other.back, found.shot, std::move(found.hits)});
+    };
+    renderer.render(other.plan, shots, join, hits);
   }
 }
 

@@ -20,9 +20,9 @@ class OtherPulses {
   OtherPulses(const scene::Simulation& simulation, const lidar::LidarPlan& plan);
 
   /// Adds their rows, and to `collected` of each line what they bring into the gate. `ready` makes a survey's shot as
-  /// it is fired, turbulence included.
+  /// it is fired, turbulence included. hits: with first hits of the others, for truth.
   void add_to(std::vector<lidar::ShotResult>& results, render::LidarRenderer& renderer,
-              const std::function<void(lidar::Shot&)>& ready) const;
+              const std::function<void(lidar::Shot&)>& ready, bool hits) const;
 
  private:
   struct Other {

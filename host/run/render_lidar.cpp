@@ -266,8 +266,9 @@ class Survey {
       renderer.render(
           plan_, {shots.begin(), shots.end()}, [&](lidar::ShotResult&& result) { std::swap(*next++, result); },
           output.wants_truth());
-      others_->add_to(fired_.results, renderer,
-                      [&](lidar::Shot& shot) { lidar::apply_turbulence(plan_, way_(shot), shot); });
+      others_->add_to(
+          fired_.results, renderer, [&](lidar::Shot& shot) { lidar::apply_turbulence(plan_, way_(shot), shot); },
+          output.wants_truth());
     });
     const std::size_t count = fired_.results.size();
     fired_.records.resize(count), fired_.truth.resize(count);

@@ -35,6 +35,7 @@ kExtra = [
     (9, "subray_fraction"),
     (5, "pixel"),
     (9, "energy_pe"),
+    (4, "pulses_back"),
 ]
 checks = 0
 
@@ -56,8 +57,8 @@ def header(las, expected):
     packets = expected["format"] == 9
     inside = expected["internal"]
     wkt = expected["wkt"].encode() + b"\0"
-    vlrs = (54 + len(wkt)) + (54 + 15 * 192) + (54 + 192) + (4 * (54 + 26) if packets else 0)
-    record = (59 if packets else 30) + 67
+    vlrs = (54 + len(wkt)) + (54 + 16 * 192) + (54 + 192) + (4 * (54 + 26) if packets else 0)
+    record = (59 if packets else 30) + 69
     at = 375 + vlrs
     evlr = at + record * len(points) if inside else 0
     wanted = (
@@ -77,7 +78,7 @@ def header(las, expected):
         == f"pulses = 200\npulses without return = {expected['without_return']}\n".encode()
     )
     fields = las.vlr("LASF_Spec", 4)
-    check(len(fields) == 15 * 192)
+    check(len(fields) == 16 * 192)
     for i, (kind, name) in enumerate(kExtra):
         one = fields[192 * i : 192 * (i + 1)]
         options = 1 if name in ("object_id", "material_id") else 0
@@ -116,7 +117,7 @@ def points(las, expected):
             )
         )
         check(got["flags"] == flags, got["flags"], flags)
-        for value, wanted, (_, name) in zip(struct.unpack("<QddfffBIHffffIf", las.extra(number)), p["extra"], kExtra):
+        for value, wanted, (_, name) in zip(struct.unpack("<QddfffBIHffffIfh", las.extra(number)), p["extra"], kExtra):
             check(math.isnan(value) if wanted is None else value == wanted, name, value, wanted)
 
 

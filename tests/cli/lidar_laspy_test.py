@@ -25,9 +25,9 @@ except ImportError as reason:
 checks = 0
 kExtra = (
     "pulse_id range range_true expected_pe echo_fwhm_ns pd bounce_order object_id material_id incidence_deg gff "
-    "trans_2way subray_fraction pixel energy_pe"
+    "trans_2way subray_fraction pixel energy_pe pulses_back"
 ).split()
-kTypes = "u8 f8 f8 f4 f4 f4 u1 u4 u2 f4 f4 f4 f4 u4 f4".split()
+kTypes = "u8 f8 f8 f4 f4 f4 u1 u4 u2 f4 f4 f4 f4 u4 f4 i2".split()
 
 
 def check(condition, *what):

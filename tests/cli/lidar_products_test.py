@@ -71,14 +71,14 @@ def points_and_table(las, returns, east, north, up):
         check(point["return_number"] == int(row["return"]) and point["number_of_returns"] == int(row["of"]))
         check(point["gps_time"] == float(row["gps_time_s"]) and point["point_source_id"] == 1)
         check(point["intensity"] == round(float(row["energy_pe"]) / unit), point["intensity"], row)
-        truth = struct.unpack("<QddfffBIHffffIf", las.extra(number))
+        truth = struct.unpack("<QddfffBIHffffIfh", las.extra(number))
         check(
             truth[0] == int(row["pulse"])
             and truth[1] == float(row["range_m"])
             and truth[2] == float(row["range_true_m"])
         )
         for value, key in zip(
-            truth[3:6] + truth[9:13] + truth[14:],
+            truth[3:6] + truth[9:13] + truth[14:15],
             (
                 "expected_pe",
                 "fwhm_ns",
@@ -94,6 +94,7 @@ def points_and_table(las, returns, east, north, up):
         check(
             truth[6] == int(row["order"])
             and truth[13] == int(row["pixel"])
+            and truth[15] == int(row["pulses_back"])
             and str(truth[7]) == row["object"]
             and ["grass", "roof"][truth[8]] == row["material"],
             truth,

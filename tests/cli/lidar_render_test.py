@@ -197,7 +197,7 @@ def survey(work):
 
 FOLDED = (
     "format = 1\n"
-    + GROUND
+    + GROUND.replace('"ground"\n', '"ground"\nlas_class = 2\n', 1)
     + """[atmosphere]
 model = "none"
 [time]
@@ -239,9 +239,23 @@ def folding(work):
     check(max(near) == 0, near)
     folded = photons(work, height=1000.0, fold="true", start=200.0, stop=300.0)
     check(folded[0] == 0 and all(abs(value / alone[0] - 1) < 1e-5 for value in folded[1:]), folded, alone)
+    behind_returns(work, pulses_back=1, range_m=250.5, range_true_m=1000.0, pulses=range(1, 6))
     close = photons(work, height=250.5, fold="false", start=200.0, stop=300.0)
+    behind_returns(work, pulses_back=0, range_m=250.5, range_true_m=250.5, pulses=range(6))
     later = photons(work, height=250.5, fold="true", start=950.0, stop=1050.0)
     check(later[-1] == 0 and all(abs(value / close[0] - 1) < 1e-5 for value in later[:-1]), later, close)
+    behind_returns(work, pulses_back=-1, range_m=1000.0, range_true_m=250.5, pulses=range(5))
+
+
+def behind_returns(work, pulses_back, range_m, range_true_m, pulses):
+    """What returns.csv says of the surface: of the pulse whose light it is. Footprint and noise move ranges by cm."""
+    rows = table(work / "folded/scan/returns.csv")
+    check([int(row["pulse"]) for row in rows] == list(pulses), rows)
+    for row in rows:
+        check(int(row["pulses_back"]) == pulses_back and int(row["order"]) == 1, row)
+        check(row["material"] != "" and int(row["las_class"]) == 2, row)
+        check(abs(float(row["range_m"]) - range_m) < 0.1 and abs(float(row["range_true_m"]) - range_true_m) < 0.1, row)
+        check(abs(float(row["expected_pe"]) / float(row["energy_pe"]) - 1) < 0.05, row)
 
 
 def upwards(work):

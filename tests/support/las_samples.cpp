@@ -106,7 +106,8 @@ LasTruth truth_of(const Pulse& pulse, int r) {
                     0.25f,
                     0.125f,
                     static_cast<std::uint32_t>(70000 + r),
-                    3.5f * static_cast<float>(r + 1)};
+                    3.5f * static_cast<float>(r + 1),
+                    static_cast<std::int16_t>(r - 1)};
   if (pulse.number == kPulses - 1)
     truth.object_id = LasTruth::kNoObject, truth.material_id = LasTruth::kNoMaterial, truth.range_true_m = NAN;
   return truth;
@@ -138,7 +139,8 @@ Json json_of(const LasTruth& t) {
           t.expected_pe,     t.echo_fwhm_ns, t.detection_probability,
           t.bounce_order,    t.object_id,    t.material_id,
           t.incidence_deg,   t.gff,          t.transmission_2way,
-          t.subray_fraction, t.pixel,        t.energy_pe};
+          t.subray_fraction, t.pixel,        t.energy_pe,
+          t.pulses_back};
 }
 
 /// What a reader must find for a point, by the names of laspy where it has one.
