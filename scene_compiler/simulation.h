@@ -42,6 +42,8 @@ struct Band {
   double fwhm_um = 0;                 ///< 0 when tabulated
   std::vector<double> wavelength_um;  ///< tabulated response, ascending, vacuum
   std::vector<double> response;       ///< >= 0
+  /// A Gaussian counts no further than this: something that it needs is known no further (host/run/air_limits.h).
+  double from_um = 0, to_um = 1e9;
   std::string name;
 };
 
@@ -84,6 +86,8 @@ struct Instrument {
   /// Of an instrument whose pixels are cells of another's (host/sensors/cells.h): what their draws err by, of that, is
   /// left in the pixels.
   double share_of_draws = 1;
+  /// And how many of them are one of its pixels, across and along.
+  std::array<int, 2> cells_of_pixel{1, 1};
   std::optional<DetectorSpec> detector;
   std::vector<Band> bands;
   std::vector<int> quicklook_bands;  ///< 0-based, red green blue (three) or grey (one)

@@ -269,6 +269,7 @@ std::shared_ptr<const Cells> make_cells(const Instrument& instrument, int thread
   r.motion = scene::PoseMotion::held;
   r.poses = cell_poses(*cells);
   r.focal_planes.clear(), r.detector.reset(), r.quicklook_bands.clear();
+  r.cells_of_pixel = n;
   r.share_of_draws = 0;
   for (const SpreadKernel& kernel : cells->kernels)
     r.share_of_draws = std::max(r.share_of_draws, kernel.share_of_draws);

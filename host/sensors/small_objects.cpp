@@ -97,7 +97,9 @@ double hull_area(std::vector<dvec2> points) {
   return 0.5 * std::abs(twice);
 }
 
-bool is_small(const dvec2& lo, const dvec2& hi) { return hi.x - lo.x <= kWidest_px && hi.y - lo.y <= kWidest_px; }
+bool is_small(const dvec2& lo, const dvec2& hi, const std::array<int, 2>& cells) {
+  return hi.x - lo.x <= kWidest_px * cells[0] && hi.y - lo.y <= kWidest_px * cells[1];
+}
 
 /// Length of [lo, hi] that lies in [from, to], as a share of it; a length of nothing lies in it whole.
 double share_inside(double lo, double hi, double from, double to) {
@@ -128,8 +130,10 @@ struct SmallObjectPixels::State {
     instrument.motion = pose_moves(given) ? scene::PoseMotion::moving : scene::PoseMotion::held;
     half_px = 0.5 * std::max(1.0, instrument.psf_support_px);
     area = 4 * half_px * half_px;
+    of_pixel = instrument.cells_of_pixel;
+    window_px = {std::max(half_px, 0.5 * of_pixel[0]), std::max(half_px, 0.5 * of_pixel[1])};
     if (scene.instances.empty()) return;
-    const double widest = kWidest_px * widest_pixel_m();
+    const double widest = kWidest_px * widest_pixel_m() * widest_cells();
     known_objects = known.small(widest);
     cell_m = std::max(widest, 1e-3);
     for (std::uint32_t i = 0; i < objects().size(); ++i) file(i);
@@ -147,6 +151,15 @@ struct SmallObjectPixels::State {
     return kFootprintMargin * widest;
   }
 
+  double cell_count() const { return static_cast<double>(of_pixel[0]) * of_pixel[1]; }
+  /// Times more points where an object's lie in several cells, m: errors of k / m points in each add up to m^1/4 times
+  /// that of k points in one, and points are worth the power 3/4 of their number.
+  double for_cells(double share) const {
+    const double across = 1 + std::sqrt(share * cell_count());
+    return cell_count() > 1 ? std::cbrt(across * across) : 1;
+  }
+  int widest_cells() const { return std::max(of_pixel[0], of_pixel[1]); }
+
   std::uint64_t cell(std::int64_t x, std::int64_t y) const {
     return static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ull ^
            static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4full;
@@ -163,10 +176,10 @@ struct SmallObjectPixels::State {
   /// Objects whose boxes may project into the group, ascending.
   std::vector<std::uint32_t> near(const GroupPlane& plane, int used) const {
     const double half_line = 0.5 * (pixels_per_group(instrument) - 1);
-    const double from = -half_line - half_px, to = -half_line + used - 1 + half_px;
+    const double from = -half_line - window_px.x, to = -half_line + used - 1 + window_px.x;
     dvec2 lo{std::numeric_limits<double>::infinity()}, hi{-lo};
     for (const double a : {from, to})
-      for (const double b : {-half_px, half_px})
+      for (const double b : {-window_px.y, window_px.y})
         for (const double z : {low_m, high_m}) {
           const dvec2 at = plane.meets(a, b, z);
           lo = {std::min(lo.x, at.x), std::min(lo.y, at.y)}, hi = {std::max(hi.x, at.x), std::max(hi.y, at.y)};
@@ -210,8 +223,10 @@ struct SmallObjectPixels::State {
   const std::vector<SceneObject>& objects() const { return known_objects->objects; }
 
   const scene::CompiledScene& scene;
-  scene::Instrument instrument;    ///< with automatic motion settled
-  double half_px = 0.5, area = 1;  ///< of the square that the samples cover, pixels
+  scene::Instrument instrument;       ///< with automatic motion settled
+  double half_px = 0.5, area = 1;     ///< of the square that the samples cover, pixels
+  std::array<int, 2> of_pixel{1, 1};  ///< cells
+  dvec2 window_px{0.5, 0.5};          ///< half of what an object's share is of
   std::shared_ptr<const SceneObjects> known_objects = std::make_shared<const SceneObjects>();
   double cell_m = 1, low_m = std::numeric_limits<double>::infinity(), high_m = -std::numeric_limits<double>::infinity();
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
@@ -257,16 +272,19 @@ std::vector<ObjectInPixel> SmallObjectPixels::in_group(const shared::RayGroup& g
       lo = {std::min(lo.x, corners[c].x), std::min(lo.y, corners[c].y)},
       hi = {std::max(hi.x, corners[c].x), std::max(hi.y, corners[c].y)};
     }
-    if (!ahead || !is_small(lo, hi)) continue;
-    if (hi.y < -s.half_px - kEdge_px || lo.y > s.half_px + kEdge_px) continue;
+    if (!ahead || !is_small(lo, hi, s.of_pixel)) continue;
+    const auto beyond = [&](double centre, const dvec2& half) {
+      return hi.y < -half.y - kEdge_px || lo.y > half.y + kEdge_px || hi.x < centre - half.x - kEdge_px ||
+             lo.x > centre + half.x + kEdge_px;
+    };
     double share = -1;
     for (int lane = 0; lane < used; ++lane) {
       const double centre = lane - half_line;
-      if (hi.x < centre - s.half_px - kEdge_px || lo.x > centre + s.half_px + kEdge_px) continue;
-      if (share < 0) share = s.share_of(object, plane, corners);
-      const double part = share_inside(lo.x, hi.x, centre - s.half_px, centre + s.half_px) *
-                          share_inside(lo.y, hi.y, -s.half_px, s.half_px);
-      if (share > 0) seen.push_back({i, lane, share, part});
+      if (beyond(centre, s.window_px)) continue;
+      if (share < 0) share = s.share_of(object, plane, corners) / s.cell_count();
+      const double part = share_inside(lo.x, hi.x, centre - s.window_px.x, centre + s.window_px.x) *
+                          share_inside(lo.y, hi.y, -s.window_px.y, s.window_px.y);
+      if (share > 0) seen.push_back({i, lane, share, part, !beyond(centre, dvec2(s.half_px))});
     }
   }
   return seen;
@@ -276,9 +294,10 @@ void SmallObjectPixels::visit_groups(const LookAtGroup& look) const {
   const State& s = *state_;
   if (empty()) return;
   const bool moving = s.instrument.motion == scene::PoseMotion::moving;
-  GroupFinder(s.instrument, s.half_px + kEdge_px, kWidest_px).visit(s.objects(), [&](int line, int group) {
-    look(line, group, make_ray_group(s.instrument, s.scene, line, group, moving));
-  });
+  GroupFinder(s.instrument, s.half_px + kEdge_px, kWidest_px * s.widest_cells())
+      .visit(s.objects(), [&](int line, int group) {
+        look(line, group, make_ray_group(s.instrument, s.scene, line, group, moving));
+      });
 }
 
 std::vector<double> SmallObjectPixels::covers(std::span<const ObjectInPixel> seen) const {
@@ -300,12 +319,13 @@ std::vector<double> SmallObjectPixels::covers(std::span<const ObjectInPixel> see
 
 double SmallObjectPixels::needed(std::span<const ObjectInPixel> seen) const {
   const State& s = *state_;
-  const int finest = finest_level(s.instrument);
+  const double finest = finest_level(s.instrument) * s.cell_count();
   double needed = 0;
-  for (const double share : covers(seen))
-    if (finest * share >= s.area)
-      needed = std::max(needed, s.area * kPoints * (1 - share) / share);  // else not even the most would find it
-  return needed;
+  const std::vector<double> covers = this->covers(seen);
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i].touches && finest * covers[i] >= s.area)  // else not even the most would find it
+      needed = std::max(needed, s.area * kPoints * s.for_cells(covers[i]) * (1 - covers[i]) / covers[i]);
+  return needed / s.cell_count();
 }
 
 int SmallObjectPixels::samples_of(std::span<const ObjectInPixel> seen) const {
@@ -344,13 +364,14 @@ SmallObjectSurvey survey_small_objects(SmallObjectPixels small, const scene::Ins
   // Of adaptive samples a pixel surely has those of the first look.
   const int width = pixels_per_group(instrument), whole = instrument.all_samples(),
             ordinary = instrument.adaptive() ? instrument.first_samples : whole;
-  const double area = std::max(1.0, instrument.psf_support_px) * std::max(1.0, instrument.psf_support_px);
+  const double cells = static_cast<double>(instrument.cells_of_pixel[0]) * instrument.cells_of_pixel[1],
+               area = std::max(1.0, instrument.psf_support_px) * std::max(1.0, instrument.psf_support_px) / cells;
   std::map<std::uint32_t, SmallObjectSurvey::Object> objects;
   small.visit_groups([&](int line, int group, const shared::RayGroup& rays) {
     ++survey.looked_at;
     const int used = std::min(width, instrument.pixels - group * width);
     const auto seen = small.in_group(rays, used);
-    if (seen.empty()) return;
+    if (std::none_of(seen.begin(), seen.end(), [](const ObjectInPixel& one) { return one.touches; })) return;
     const int fine = small.samples_of(seen);
     const int samples = on && fine > 0 ? fine : on && small.needs_all(seen) ? whole : ordinary;
     if (on && fine > 0) {
@@ -361,6 +382,7 @@ SmallObjectSurvey survey_small_objects(SmallObjectPixels small, const scene::Ins
     const std::vector<double> covers = small.covers(seen);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const ObjectInPixel& one = seen[i];
+      if (!one.touches) continue;
       const auto [at, anew] = objects.try_emplace(one.object);
       SmallObjectSurvey::Object& object = at->second;
       const double points = samples * covers[i] / area;

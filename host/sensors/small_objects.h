@@ -2,10 +2,11 @@
 //
 // An rms over pixels, which `tolerance` is, is blind to the few pixels that hold a target. Such objects are
 // known from their boxes (scene_objects.h) and projected here before a ray is sent. An object is small for an
-// instrument when its projection is at most kWidest_px pixels wide and long. With n samples in a pixel's area
-// and an object that covers the share a of that area, n a samples lie on it; of k points of a lattice or of
-// jittered cells on a compact shape the count errs by about k^1/4 (its outline crosses some k^1/2 cells), so
-// k = kPoints knows the area to 40^-3/4 = 6 % rms, and kFewestPoints to 19 %. A pixel needs
+// instrument when its projection is at most kWidest_px pixels wide and long. Where pixels are rendered as c cells
+// (cells.h), sizes, shares and sums are those of a pixel about each cell, and each cell gets n / c. With n samples in a
+// pixel's area and an object that covers the share a of that area, n a samples lie on it; of k points of a lattice or
+// of jittered cells on a compact shape the count errs by about k^1/4 (its outline crosses some k^1/2 cells), so k =
+// kPoints knows the area to 40^-3/4 = 6 % rms, and kFewestPoints to 19 %. A pixel needs
 //
 //     n = kPoints (1 - A) / A,    A = max(largest a, sum of a f) over objects of one kind, f: the part of an
 //     object's rectangle in the pixel
@@ -53,6 +54,7 @@ struct ObjectInPixel {
   int lane = 0;              ///< pixel of the group
   double share = 0;          ///< area of the whole object over the pixel's
   double part = 0;           ///< of the object's rectangle, in the pixel
+  bool touches = true;       ///< its cell, of a pixel that is rendered as cells: of the pixel about it
 };
 
 class SmallObjectPixels {
