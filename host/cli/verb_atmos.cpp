@@ -16,6 +16,7 @@
 #include "host/base/output_file.h"
 #include "host/cli/air_options.h"
 #include "host/run/air_table.h"
+#include "host/run/air_limits.h"
 #include "host/cli/atmos_compare.h"
 #include "host/cli/atmos_export.h"
 #include "host/cli/atmos_import.h"
@@ -154,6 +155,7 @@ int build(const BuildOptions& o, Invocation& invocation) {
     if (simulation.instruments.empty())
       throw base::Error(base::Fault::input,
                         o.file + ": no [[instrument]] whose bands a table could cover; a [[lidar]] needs none");
+    if (load.compile) run::keep_within_air(simulation);
     if (load.compile) lowest = simulation.scene.lo[2], highest = simulation.scene.hi[2];
     sensor_height = simulation.instruments.front().poses.front().z_m;
     std::vector<scene::Band> bands;

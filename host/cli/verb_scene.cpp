@@ -4,6 +4,7 @@
 
 #include "host/base/error.h"
 #include "host/base/text.h"
+#include "host/run/air_limits.h"
 #include "host/run/input_check.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/compiled_file.h"
@@ -22,6 +23,7 @@ scene::Simulation load(Invocation& invocation, const std::string& file, bool com
   scene::LoadOptions options;
   options.compile = compile;
   auto simulation = scene::load_simulation(file, options);
+  if (compile) run::keep_within_air(simulation);
   for (const auto& notice : simulation.notices) invocation.log.warning(notice);
   return simulation;
 }

@@ -45,13 +45,15 @@ std::vector<std::pair<double, double>> gauss_legendre(int n) {
 
 std::pair<double, double> band_support(const scene::Band& band) {
   if (band.wavelength_um.size() > 1) return {band.wavelength_um.front(), band.wavelength_um.back()};
-  return {band.center_um - kGaussianCutFwhm * band.fwhm_um, band.center_um + kGaussianCutFwhm * band.fwhm_um};
+  const double reach = kGaussianCutFwhm * band.fwhm_um;
+  return {std::max(band.center_um - reach, band.from_um), std::min(band.center_um + reach, band.to_um)};
 }
 
 double band_response(const scene::Band& band, double wavelength_um) {
   if (band.wavelength_um.size() > 1) return interpolate(band.wavelength_um, band.response, wavelength_um);
+  const auto [from, to] = band_support(band);
   const double t = (wavelength_um - band.center_um) / band.fwhm_um;
-  return std::abs(t) > kGaussianCutFwhm ? 0.0 : std::exp(-4 * std::numbers::ln2 * t * t);
+  return wavelength_um < from || wavelength_um > to ? 0.0 : std::exp(-4 * std::numbers::ln2 * t * t);
 }
 
 SpectralGrid make_spectral_grid(std::vector<double> breakpoints, const std::vector<scene::Band>& bands) {

@@ -17,6 +17,7 @@
 #include "host/base/cache_folder.h"
 #include "host/base/doing.h"
 #include "host/base/error.h"
+#include "host/plan/quadrature.h"
 
 namespace raycube::run {
 
@@ -207,9 +208,8 @@ std::optional<std::string> coarse_sun_notice(const scene::AtmosphereSpec& spec, 
 std::pair<double, double> band_range(const std::vector<scene::Band>& bands) {
   double first = 1e9, last = 0;
   for (const auto& band : bands) {
-    const bool gaussian = band.fwhm_um > 0;
-    first = std::min(first, gaussian ? band.center_um - 2.5 * band.fwhm_um : band.wavelength_um.front());
-    last = std::max(last, gaussian ? band.center_um + 2.5 * band.fwhm_um : band.wavelength_um.back());
+    const auto [from, to] = plan::band_support(band);
+    first = std::min(first, from), last = std::max(last, to);
   }
   return {first, last};
 }

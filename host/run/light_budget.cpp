@@ -346,10 +346,10 @@ double most_lost(const BudgetResult& result) {
 }
 
 /// Shares of every batch, [quantity][band][batch].
-using Found = std::vector<std::vector<std::vector<double>>>;
+using Answers = std::vector<std::vector<std::vector<double>>>;
 
 BudgetResult told(const scene::LightBudget& budget, const std::vector<scene::Band>& bands, const plan::Plan& plan,
-                  const std::vector<Quantity>& asked, const Found& found) {
+                  const std::vector<Quantity>& asked, const Answers& found) {
   BudgetResult out;
   out.band = band_names(bands, budget.par);
   for (std::size_t b = 0; b < bands.size(); ++b) {
@@ -383,7 +383,7 @@ BudgetResult light_budget(const render::RenderOptions& options, scene::Simulatio
 
   const auto in_batch = static_cast<std::uint32_t>((budget.photons + kMeasureBatches - 1) / kMeasureBatches);
   const std::vector<Quantity> asked = quantities(scene);
-  Found found(asked.size(), std::vector<std::vector<double>>(bands.size()));
+  Answers found(asked.size(), std::vector<std::vector<double>>(bands.size()));
   const Step step(services, "photons of " + budget.name, kMeasureBatches, "batches");
   for (int batch = 0; batch < kMeasureBatches; ++batch) {
     base::throw_if_interrupted();

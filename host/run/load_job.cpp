@@ -5,6 +5,7 @@
 #include "atmos_tables/clear_sky_inputs.h"
 #include "host/base/error.h"
 #include "host/run/air_table.h"
+#include "host/run/air_limits.h"
 #include "scene_compiler/load_simulation.h"
 
 namespace raycube::run {
@@ -17,6 +18,7 @@ scene::Simulation load_job(const std::string& file, std::optional<std::uint64_t>
   services.log.set_status("loading " + file);
   scene::Simulation simulation = scene::load_simulation(file, options);
   services.log.set_status("");
+  keep_within_air(simulation);
   for (const auto& notice : simulation.notices) services.log.warning(notice);
   for (const auto& instrument : simulation.instruments)
     for (const auto& notice : light_notices(simulation, instrument))

@@ -104,9 +104,18 @@ with tempfile.TemporaryDirectory() as work:
         claimed = said["plan"]["planner"]["error"]
         check(claimed["plan"] < 0.01, claimed)  # the file's tolerance, measured against the whole tables
 
+    # While the disc is seen (to 90 deg 50'), the light of 89.99 deg, to the bit, and said.
+    for model in (clear, layered):
+        sunsets = []
+        for zenith in (89.99, 90, 90.8):
+            done = run("render", plane(work, model, zenith, few), "-o", work / "set", "--overwrite", env=cache)
+            check(("the light of 89.99 deg is taken" in done.stderr) == (zenith >= 90), zenith, done.stderr)
+            sunsets.append(envi(work / "set" / "camera", "radiance")[1])
+        check(sunsets[0].min() > 0 and all((image == sunsets[0]).all() for image in sunsets), model)
+
     # Below the horizon: dark, and said; at night too.
     for model in (clear, layered):
-        for zenith in (90, 95, 110) if model == clear else (90, 110):
+        for zenith in (91, 95, 110) if model == clear else (91, 110):
             done = run("render", plane(work, model, zenith, few), "-o", work / "dark", "--overwrite", env=cache)
             check("no twilight" in done.stderr, done.stderr)
             check(any("no twilight" in warning for warning in record(work / "dark" / "camera")["warnings"]))
@@ -146,6 +155,31 @@ with tempfile.TemporaryDirectory() as work:
         record(work / "white" / "camera")["radiance_bound"]["pixels_beyond"] == 0,
         record(work / "white" / "camera")["radiance_bound"],
     )
+
+    # A panchromatic band: its Gaussian (650 nm, FWHM 200 nm, to 2.5 FWHM from 150 nm on) is cut at 300 nm, where the
+    # sun's spectrum begins, which takes 2e-5 of it. Oracle: the mean of the table's irradiance over the Gaussian above,
+    # summed here. Half as wide again is refused, with the share that a cut would lose: erfc(1.943) / 2 = 3.0e-3.
+    wide = '{ first_nm = 650.0, step_nm = 10.0, count = 1, fwhm_nm = FWHM }'
+    vacuum = plane(work, '{ model = "none" }', 60, wide.replace("FWHM", "200.0"))
+    done = run("render", vacuum, "-o", work / "wide", env=cache)
+    check("cut to what the atmosphere covers (band 1: 300 to 1150 nm, 2e-05" in done.stderr, done.stderr)
+    run("atmos", "build", vacuum, "-o", work / "none.rct", env=cache)
+    _, um, rows = rows_of(work / "none.rct")
+    fine = numpy.linspace(0.3, 1.15, 85001)
+    response = numpy.exp(-4 * numpy.log(2) * ((fine - 0.65) / 0.2) ** 2)
+    irradiance = numpy.interp(fine, um, rows["solar_irradiance"].reshape(len(um), -1)[:, 0])
+    want = kReflectance / numpy.pi * 0.5 * (response * irradiance).sum() / response.sum()
+    found = envi(work / "wide" / "camera", "radiance")[1]
+    check(numpy.abs(found / want - 1).max() < 2e-5, found, want)  # single precision, and the plan's 1e-5 of nodes
+    for verb in (["scene", "check"], ["render", "--dry-run"]):
+        refused(
+            *verb,
+            plane(work, '{ model = "none" }', 60, wide.replace("FWHM", "300.0")),
+            status=2,
+            says=["0.003 of its weight", "covers 0.3 to 1000.0 um"],
+            messages=2,
+            env=cache,
+        )
 
     # What a table may not make of a cube. E0 = 1000, both transmissions 1, no path: R2 = 20 is light from nowhere.
     def tabled(e0, factor):
