@@ -172,9 +172,9 @@ class DocumentReader {
     std::vector<std::string> said;  // by the instrument itself, which counts
     for (const auto& [key, node] : *table) {
       const std::string name(key.str());
-      if (name == "sensor" || name == "name")
+      if (is_instruments_own(name))
         problems_.add(where_of(file, key.source()), "a sensor's file has no '" + name + "'", "", "remove it");
-      if (name == "format" || name == "sensor" || name == "name" || gives(record, name) || stands_in(record, name))
+      if (name == "format" || is_instruments_own(name) || gives(record, name) || stands_in(record, name))
         said.push_back(name);
     }
     for (const std::string& name : said) table->erase(name);
@@ -182,7 +182,6 @@ class DocumentReader {
     read_table(*table, file, record.path, record);
   }
 
-  /// Before defaults are filled in.
   static bool gives(const Record& record, std::string_view key) {
     const auto found = record.values.find(key);
     return found != record.values.end() && found->second.given;
@@ -260,7 +259,7 @@ class DocumentReader {
   }
 
   void unknown_key(const std::string& path, const std::string& name, const Where& where) {
-    const std::string nearest = nearest_key(path, name);
+    const std::string nearest = nearest_key(simulation_format(), path, name);
     std::string way_out = nearest.empty() ? "" : "did you mean '" + nearest + "'?";
     if (nearest.empty()) {
       for (const auto& spec : option_keys())
@@ -474,7 +473,8 @@ class DocumentReader {
         break;
       case KeyType::table:
       case KeyType::tables:
-        break;  // read_table sends these elsewhere
+      case KeyType::commands:  // of studies alone
+        break;                 // read_table sends tables elsewhere
     }
   }
 

@@ -76,6 +76,8 @@ nlohmann::ordered_json value_json(const KeySpec& spec, const Value& value) {
     case KeyType::table:
     case KeyType::path_or_table:
       return value.records.empty() ? Json(value.text) : record_json(value.records.front());
+    case KeyType::commands:
+      break;  // of studies alone
   }
   return {};
 }

@@ -44,12 +44,14 @@ std::string_view type_name(KeyType type) {
       return "path or table";
     case KeyType::integer_or_word:
       return "integer or word";
+    case KeyType::commands:
+      return "command or commands";
   }
   return "";
 }
 
-bool is_array_table(std::string_view path) {
-  const KeySpec* spec = find_key("", path);
+bool is_array_table(const FileFormat& format, std::string_view path) {
+  const KeySpec* spec = find_key(format, "", path);
   return spec != nullptr && spec->type == KeyType::tables;
 }
 
@@ -86,10 +88,11 @@ Json choice_schema(const KeySpec& spec) {
   return {{"enum", values}};
 }
 
-Json table_schema(std::string_view path);
+Json table_schema(const FileFormat& format, std::string_view path);
 
-Json key_schema(const KeySpec& spec) {
+Json key_schema(const FileFormat& format, const KeySpec& spec) {
   const Json text = {{"type", "string"}};
+  const auto table = [&] { return table_schema(format, sub_path(spec)); };
   switch (spec.type) {
     case KeyType::boolean:
       return {{"type", "boolean"}};
@@ -121,15 +124,20 @@ Json key_schema(const KeySpec& spec) {
     case KeyType::text_map:
       return {{"type", "object"}, {"additionalProperties", text}};
     case KeyType::table:
-      return table_schema(sub_path(spec));
-    case KeyType::tables:
-      // One entry inside another table may stand without the array's brackets.
-      return {{"type", spec.table.empty() ? Json("array") : Json::array({"array", "object"})},
-              {"items", table_schema(sub_path(spec))}};
+      return table();
+    case KeyType::tables: {
+      const Json list = {{"type", "array"}, {"items", table()}};
+      if (spec.table.empty() && !format.one_for_list) return list;
+      return {{"if", {{"type", "object"}}}, {"then", table()}, {"else", list}};
+    }
     case KeyType::integer_or_word:
       return {{"anyOf", Json::array({number_schema(spec, "integer"), {{"enum", Json::array({spec.shape})}}})}};
     case KeyType::path_or_table:
-      return {{"anyOf", Json::array({text, table_schema(sub_path(spec))})}};
+      return {{"anyOf", Json::array({text, table()})}};
+    case KeyType::commands: {
+      const Json command = {{"type", "array"}, {"items", text}};
+      return {{"type", "array"}, {"items", {{"anyOf", Json::array({text, command})}}}, {"minItems", 1}};
+    }
   }
   return {};
 }
@@ -152,11 +160,11 @@ Json default_value(const KeySpec& spec) {
   }
 }
 
-Json table_schema(std::string_view path) {
+Json table_schema(const FileFormat& format, std::string_view path) {
   Json properties = Json::object(), required = Json::array();
-  for (const auto& spec : option_keys()) {
+  for (const auto& spec : format.keys) {
     if (spec.table != path) continue;
-    Json one = key_schema(spec);
+    Json one = key_schema(format, spec);
     std::string text(spec.text);
     if (!spec.unit.empty()) text += " Unit: " + std::string(spec.unit) + ".";
     one["description"] = text;
@@ -191,11 +199,11 @@ std::string allowed_text(const KeySpec& spec) {
 
 }  // namespace
 
-std::string options_json() {
+std::string options_json(const FileFormat& format) {
   Json tables = Json::array();
-  for (const auto& table : option_tables()) {
+  for (const auto& table : format.tables) {
     Json keys = Json::array();
-    for (const auto& spec : option_keys()) {
+    for (const auto& spec : format.keys) {
       if (spec.table != table.path) continue;
       Json key = {{"key", spec.key}, {"type", type_name(spec.type)}, {"required", spec.required()}};
       if (!spec.unit.empty()) key["unit"] = spec.unit;
@@ -209,22 +217,24 @@ std::string options_json() {
   return Json{{"tables", std::move(tables)}}.dump(2) + "\n";
 }
 
-std::string options_json_schema() {
-  Json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "raycube simulation file"}};
-  out.update(table_schema(""));
+std::string options_json_schema(const FileFormat& format) {
+  Json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", format.title}};
+  out.update(table_schema(format, ""));
   return out.dump(2) + "\n";
 }
 
-std::string options_markdown() {
+std::string options_markdown(const FileFormat& format) {
   std::string out;
-  for (const auto& table : option_tables()) {
+  for (const auto& table : format.tables) {
     const std::string path(table.path);
-    std::string title = path.empty() ? "Top level" : is_array_table(path) ? "`[[" + path + "]]`" : "`[" + path + "]`";
-    if (path.find('.') != std::string::npos && is_array_table(path.substr(0, path.find('.'))))
+    std::string title = path.empty()                   ? "Top level"
+                        : is_array_table(format, path) ? "`[[" + path + "]]`"
+                                                       : "`[" + path + "]`";
+    if (path.find('.') != std::string::npos && is_array_table(format, path.substr(0, path.find('.'))))
       title = "`" + path.substr(path.find('.') + 1) + " = { ... }` of `[[" + path.substr(0, path.find('.')) + "]]`";
     out += "### " + title + "\n\n" + std::string(table.text) + "\n\n";
     out += "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
-    for (const auto& spec : option_keys()) {
+    for (const auto& spec : format.keys) {
       if (spec.table != table.path) continue;
       const std::string fallback = spec.required()      ? "required"
                                    : spec.has_default() ? "`" + std::string(spec.fallback) + "`"

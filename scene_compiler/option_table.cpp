@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 #include <vector>
 
 namespace raycube::scene {
@@ -75,21 +76,73 @@ bool has_words(std::string_view whole, std::string_view key) {
   return true;
 }
 
+constexpr std::string_view kInstrument = "instrument";
+
+/// Path of an instrument's table in its sensor's file; nothing: of no instrument.
+std::optional<std::string_view> in_sensor(std::string_view path) {
+  if (path == kInstrument) return "";
+  if (!path.starts_with(kInstrument) || path[kInstrument.size()] != '.') return std::nullopt;
+  return path.substr(kInstrument.size() + 1);
+}
+
+std::vector<KeySpec> sensor_keys() {
+  std::vector<KeySpec> out = {*find_key("", "format")};
+  for (KeySpec spec : kKeys) {
+    const auto table = in_sensor(spec.table);
+    if (!table || (table->empty() && is_instruments_own(spec.key))) continue;
+    spec.table = *table;
+    if (spec.table.empty() && spec.required()) spec.fallback = "";  // the instrument itself may say it
+    out.push_back(spec);
+  }
+  return out;
+}
+
+std::vector<TableSpec> sensor_tables() {
+  std::vector<TableSpec> out;
+  for (TableSpec table : kTables) {
+    const auto path = in_sensor(table.path);
+    if (!path) continue;
+    table.path = *path;
+    if (path->empty())
+      table.text = "Top level: what an [[instrument]] that names the file as its `sensor` does not say itself.";
+    out.push_back(table);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::span<const KeySpec> option_keys() { return kKeys; }
 std::span<const TableSpec> option_tables() { return kTables; }
 
-const KeySpec* find_key(std::string_view table, std::string_view key) {
-  const auto found = std::find_if(kKeys.begin(), kKeys.end(),
-                                  [&](const KeySpec& spec) { return spec.table == table && spec.key == key; });
-  return found == kKeys.end() ? nullptr : &*found;
+const FileFormat& simulation_format() {
+  static const FileFormat format = {"raycube simulation file", kKeys, kTables, false};
+  return format;
 }
 
-std::string nearest_key(std::string_view table, std::string_view key) {
+const FileFormat& sensor_format() {
+  static const std::vector<KeySpec> keys = sensor_keys();
+  static const std::vector<TableSpec> tables = sensor_tables();
+  static const FileFormat format = {"raycube sensor file", keys, tables};
+  return format;
+}
+
+bool is_instruments_own(std::string_view key) { return key == "name" || key == "sensor"; }
+
+const KeySpec* find_key(std::string_view table, std::string_view key) {
+  return find_key(simulation_format(), table, key);
+}
+
+const KeySpec* find_key(const FileFormat& format, std::string_view table, std::string_view key) {
+  const auto found = std::find_if(format.keys.begin(), format.keys.end(),
+                                  [&](const KeySpec& spec) { return spec.table == table && spec.key == key; });
+  return found == format.keys.end() ? nullptr : &*found;
+}
+
+std::string nearest_key(const FileFormat& format, std::string_view table, std::string_view key) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, key.size() / 3) + 1;
-  for (const auto& spec : kKeys) {
+  for (const auto& spec : format.keys) {
     if (spec.table != table) continue;
     // A key typed without its unit ("altitude" for "altitude_agl_m") is as near as a typing slip.
     // So is one without a word in its middle ("altitude_m").

@@ -1,10 +1,12 @@
 // `raycube scene`: look at a simulation's scene, check it, compile it, print its format.
+#include <map>
 #include <memory>
 #include <ostream>
 
 #include "host/base/error.h"
 #include "host/base/text.h"
 #include "host/run/air_limits.h"
+#include "host/experiment/study_keys.h"
 #include "host/run/input_check.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/compiled_file.h"
@@ -99,13 +101,33 @@ Verb verb_scene_compile() {
   return verb;
 }
 
-/// A verb that prints one text of the format, or its JSON, and reads nothing.
-Verb printing(const char* name, const char* summary, const char* example, std::string (*text)(),
-              std::string (*json)()) {
+struct FormatRequest {
+  std::string of;
+};
+
+/// A verb that prints one text of a kind of files, or its JSON, and reads nothing.
+Verb printing(const char* name, const char* summary, std::vector<std::string> examples,
+              std::string (*text)(const scene::FileFormat&), std::string (*json)(const scene::FileFormat&)) {
+  auto o = std::make_shared<FormatRequest>();
   Verb verb(name, summary);
-  verb.examples = {example};
-  verb.run = [text, json](Invocation& invocation) {
-    invocation.out << (invocation.common.json ? json() : text());
+  verb.description =
+      "KIND is simulation (the default), sensor (a file that an instrument names as its sensor), experiment or sweep.";
+  verb.examples = std::move(examples);
+  verb.add_options = [o](base::OptionTable& table) {
+    table.optional_argument("KIND", "simulation, sensor, experiment or sweep", o->of);
+  };
+  verb.run = [o, text, json](Invocation& invocation) {
+    static const std::map<std::string, const scene::FileFormat& (*)()> kinds = {
+        {"", scene::simulation_format},
+        {"simulation", scene::simulation_format},
+        {"sensor", scene::sensor_format},
+        {"experiment", experiment::experiment_format},
+        {"sweep", experiment::sweep_format}};
+    const auto kind = kinds.find(o->of);
+    if (kind == kinds.end())
+      throw base::Error(base::Fault::input,
+                        "KIND: no kind of files (found '" + o->of + "'); give simulation, sensor, experiment or sweep");
+    invocation.out << (invocation.common.json ? json : text)(kind->second());
     return 0;
   };
   return verb;
@@ -117,10 +139,11 @@ Verb verb_scene() {
   Verb verb("scene", "Look at a scene, check it, compile it, print its format");
   verb.verbs = {
       verb_scene_info(), verb_scene_check(), verb_scene_compile(),
-      printing("schema", "Print the JSON schema of simulation files", "raycube scene schema > raycube.schema.json",
-               scene::options_json_schema, scene::options_json_schema),
-      printing("keys", "Print every key of simulation files as Markdown tables", "raycube scene keys",
-               scene::options_markdown, scene::options_json)};
+      printing("schema", "Print the JSON schema of simulation files, or of a study's or a sensor's",
+               {"raycube scene schema > raycube.schema.json", "raycube scene schema sweep"}, scene::options_json_schema,
+               scene::options_json_schema),
+      printing("keys", "Print every key of simulation files, or of a study's or a sensor's, as Markdown tables",
+               {"raycube scene keys", "raycube scene keys sensor"}, scene::options_markdown, scene::options_json)};
   return verb;
 }
 

@@ -30,7 +30,6 @@ StepPlan read_commands(StudyTable& table, const std::string& name, const std::se
   for (const Command& command : step.commands)
     for (const std::string& word : command) check_names(table, word, known, more);
   for (const std::string& input : step.inputs) check_names(table, input, {});
-  table.done();
   return step;
 }
 

@@ -2,27 +2,30 @@
 
 #include <toml++/toml.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "host/base/input_file.h"
+#include "scene_compiler/document_values.h"
 
 namespace raycube::experiment {
 
 namespace fs = std::filesystem;
+using scene::KeySpec;
 
 struct StudyTable::State {
   std::shared_ptr<toml::table> document;  ///< owns all tables
   const toml::table* table = nullptr;
+  const scene::FileFormat* format = nullptr;
   std::string file, folder, path;
   std::shared_ptr<base::Problems> problems;
-  std::set<std::string> asked;
 };
 
-StudyTable::StudyTable(std::shared_ptr<State> state) : state_(std::move(state)) {}
+StudyTable::StudyTable(std::shared_ptr<State> state) : state_(std::move(state)) { report_unknown_keys(); }
 StudyTable::~StudyTable() = default;
 StudyTable::StudyTable(StudyTable&&) noexcept = default;
 
-StudyTable StudyTable::read(const std::string& path) {
+StudyTable StudyTable::read(const std::string& path, const scene::FileFormat& format) {
   if (const std::string why = base::why_no_plain_file(path); !why.empty())
     throw base::Error(base::Fault::input, path + ": cannot be read: " + why);
   auto state = std::make_shared<State>();
@@ -32,13 +35,27 @@ StudyTable StudyTable::read(const std::string& path) {
     throw base::Error(base::Fault::input, path + ":" + std::to_string(error.source().begin.line) + ": TOML syntax: " +
                                               std::string(error.description()) + "; see https://toml.io");
   }
-  state->table = state->document.get();
+  state->table = state->document.get(), state->format = &format;
   state->file = path, state->folder = fs::absolute(path).parent_path().string();
   state->problems = std::make_shared<base::Problems>();
   StudyTable out(state);
-  if (out.number("format", 0) != 1)
-    out.problem("", "a study's file begins with format = 1", out.has("format") ? "another" : "none", "write it first");
+  out.number("format");
   return out;
+}
+
+const KeySpec& StudyTable::spec(const std::string& key) const {
+  const KeySpec* found = scene::find_key(*state_->format, state_->path, key);
+  if (!found) throw base::Error(base::Fault::bug, "option table has no key '" + key + "' in [" + state_->path + "]");
+  return *found;
+}
+
+std::string StudyTable::in() const {
+  if (state_->path.empty()) return "";
+  const std::string key = state_->path.substr(state_->path.rfind('.') + 1);
+  const std::string above = key.size() == state_->path.size() ? "" : state_->path.substr(0, state_->path.rfind('.'));
+  const KeySpec* opened_by = scene::find_key(*state_->format, above, key);
+  const bool list = opened_by != nullptr && opened_by->type == scene::KeyType::tables;
+  return list ? " in [[" + state_->path + "]]" : " in [" + state_->path + "]";
 }
 
 base::Where StudyTable::where(const std::string& key) const {
@@ -52,39 +69,54 @@ void StudyTable::problem(const std::string& key, const std::string& what, const 
   state_->problems->add(where(key), what, found, way_out);
 }
 
-bool StudyTable::has(const std::string& key) const { return state_->table->contains(key); }
-bool StudyTable::is_text(const std::string& key) const {
-  const toml::node* node = state_->table->get(key);
-  return node != nullptr && node->is_string();
+void StudyTable::missing(const std::string& key, const std::string& way_out) {
+  problem("", "'" + key + "' is missing" + in(), "", way_out);
 }
+
+bool StudyTable::has(const std::string& key) const { return state_->table->contains(key); }
 const std::string& StudyTable::folder() const { return state_->folder; }
 
-std::string StudyTable::text(const std::string& key, const std::optional<std::string>& otherwise) {
-  state_->asked.insert(key);
+std::string StudyTable::text(const std::string& key) {
+  const KeySpec& row = spec(key);
   const toml::node* node = state_->table->get(key);
-  if (!node && otherwise) return *otherwise;
+  const std::string otherwise(row.has_default() ? row.fallback : "");
   if (!node) {
-    problem("", "'" + key + "' is missing" + (state_->path.empty() ? "" : " in [[" + state_->path + "]]"), "",
-            "add it");
-    return "";
+    if (row.required()) missing(key, "add it");
+    return otherwise;
   }
-  if (const auto value = node->value<std::string>(); value && node->is_string()) return *value;
-  problem(key, "'" + key + "' wants a text", "another type", "put it in quotes");
-  return "";
+  if (!node->is_string()) {
+    problem(key, "'" + key + "' wants a text", "another type", "put it in quotes");
+    return otherwise;
+  }
+  const std::string said = **node->as_string();
+  if (row.type == scene::KeyType::choice && !scene::is_choice(row, said)) {
+    problem(key, "'" + key + "' is none of its choices", "'" + said + "'", "choose of " + scene::choices_text(row));
+    return otherwise;
+  }
+  return said;
 }
 
-double StudyTable::number(const std::string& key, const std::optional<double>& otherwise) {
-  state_->asked.insert(key);
+double StudyTable::number(const std::string& key) {
+  const KeySpec& row = spec(key);
   const toml::node* node = state_->table->get(key);
-  if (!node && otherwise) return *otherwise;
-  if (node && node->is_number()) return *node->value<double>();
-  problem(node ? key : "", "'" + key + (node ? "' wants a number" : "' is missing"), node ? "another type" : "",
-          node ? "give one" : "add it");
-  return 0;
+  const double otherwise = row.has_default() ? std::stod(std::string(row.fallback)) : 0;
+  if (!node) {
+    if (row.required()) missing(key, "add it");
+    return otherwise;
+  }
+  if (!node->is_number()) {
+    problem(key, "'" + key + "' wants a number", "another type", "give one");
+    return otherwise;
+  }
+  const double said = *node->value<double>();
+  if (row.type == scene::KeyType::integer && std::isfinite(said) && said != std::floor(said)) {
+    problem(key, "'" + key + "' wants a whole number", scene::number_text(said), "give one");
+    return otherwise;
+  }
+  return scene::in_range(row, said, where(key), *state_->problems) ? said : otherwise;
 }
 
 std::vector<std::string> StudyTable::texts(const std::string& key) {
-  state_->asked.insert(key);
   std::vector<std::string> out;
   const toml::node* node = state_->table->get(key);
   if (!node) return out;
@@ -97,7 +129,6 @@ std::vector<std::string> StudyTable::texts(const std::string& key) {
 }
 
 std::vector<double> StudyTable::numbers(const std::string& key) {
-  state_->asked.insert(key);
   std::vector<double> out;
   const toml::node* node = state_->table->get(key);
   if (!node) return out;
@@ -106,22 +137,24 @@ std::vector<double> StudyTable::numbers(const std::string& key) {
     if (list->get(i)->is_number()) out.push_back(*list->get(i)->value<double>());
   if (!list || out.size() != list->size())
     problem(key, "'" + key + "' wants a list of numbers", "another type", "give one");
+  for (const double value : out) scene::in_range(spec(key), value, where(key), *state_->problems);
   return out;
 }
 
 std::vector<std::vector<std::string>> StudyTable::commands(const std::string& key) {
   const toml::node* node = state_->table->get(key);
   const toml::array* list = node ? node->as_array() : nullptr;
+  std::vector<std::vector<std::string>> out;
+  if (!node) {
+    missing(key, "give a list: program, arguments");
+    return out;
+  }
   if (!list || list->empty() || !list->get(0)->is_array()) {
-    if (!node)
-      problem("", "'" + key + "' is missing in [[" + state_->path + "]]", "", "give a list: program, arguments");
     auto one = texts(key);
-    std::vector<std::vector<std::string>> out;
+    if (list && list->empty()) problem(key, "'" + key + "' has no command", "an empty list", "give program, arguments");
     if (!one.empty()) out.push_back(std::move(one));
     return out;
   }
-  state_->asked.insert(key);
-  std::vector<std::vector<std::string>> out;
   for (const toml::node& item : *list) {
     auto& command = out.emplace_back();
     const toml::array* words = item.as_array();
@@ -134,15 +167,14 @@ std::vector<std::vector<std::string>> StudyTable::commands(const std::string& ke
 }
 
 std::vector<StudyTable> StudyTable::tables(const std::string& key) {
-  state_->asked.insert(key);
+  const KeySpec& row = spec(key);
   std::vector<StudyTable> out;
   const toml::node* node = state_->table->get(key);
   if (!node) return out;
-  const toml::array* list = node->as_array();
+  const toml::array* list = row.type == scene::KeyType::tables ? node->as_array() : nullptr;
   const auto add = [&](const toml::table* table) {
     auto state = std::make_shared<State>(*state_);
-    state->table = table, state->path = state_->path.empty() ? key : state_->path + "." + key;
-    state->asked.clear();
+    state->table = table, state->path = scene::sub_path(row);
     out.push_back(StudyTable(state));
   };
   if (node->is_table()) {
@@ -152,16 +184,18 @@ std::vector<StudyTable> StudyTable::tables(const std::string& key) {
   for (std::size_t i = 0; list && i < list->size(); ++i)
     if (list->get(i)->is_table()) add(list->get(i)->as_table());
   if (!list || out.size() != list->size())
-    problem(key, "'" + key + "' wants tables", "another type", "write [[" + key + "]]");
+    problem(key, "'" + key + "' wants " + (row.type == scene::KeyType::tables ? "tables" : "one table"), "another type",
+            row.type == scene::KeyType::tables ? "write [[" + key + "]]" : "write [" + key + "]");
   return out;
 }
 
-void StudyTable::done() {
+void StudyTable::report_unknown_keys() {
   for (const auto& [name, node] : *state_->table) {
     const std::string key(name.str());
-    if (state_->asked.count(key) == 0)
-      problem(key, "unknown key" + (state_->path.empty() ? "" : " in [[" + state_->path + "]]"), "'" + key + "'",
-              "docs/studies.md lists the keys");
+    if (scene::find_key(*state_->format, state_->path, key)) continue;
+    const std::string nearest = scene::nearest_key(*state_->format, state_->path, key);
+    problem(key, "unknown key" + in(), "'" + key + "'",
+            nearest.empty() ? "docs/studies.md lists the keys" : "did you mean '" + nearest + "'?");
   }
 }
 

@@ -1,27 +1,26 @@
-// A study's file: TOML read key by key, each with its place; what no one asked for is an unknown key.
+// A study's file: TOML read by the option table of its kind, each key with its place.
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "host/base/error.h"
+#include "scene_compiler/option_table.h"
 
 namespace raycube::experiment {
 
 class StudyTable {
  public:
   /// Reads a file that begins with format = 1. Throws Error(input).
-  static StudyTable read(const std::string& path);
+  static StudyTable read(const std::string& path, const scene::FileFormat& format);
   ~StudyTable();
   StudyTable(StudyTable&&) noexcept;
 
-  std::string text(const std::string& key, const std::optional<std::string>& otherwise = std::nullopt);
-  double number(const std::string& key, const std::optional<double>& otherwise = std::nullopt);
+  /// What the key says, or its default; what it must say and does not is a problem.
+  std::string text(const std::string& key);
+  double number(const std::string& key);
   bool has(const std::string& key) const;
-  bool is_text(const std::string& key) const;
   std::vector<std::string> texts(const std::string& key);
   std::vector<double> numbers(const std::string& key);
   /// A list of lists of texts, or one list of texts.
@@ -32,9 +31,7 @@ class StudyTable {
   base::Where where(const std::string& key = "") const;
   /// Reports a problem with a key; collected with all others of the file.
   void problem(const std::string& key, const std::string& what, const std::string& found, const std::string& way_out);
-  /// Every key has been asked for: reports those that no one did.
-  void done();
-  /// Of the file's own table, after done(): throws what has been found.
+  /// Of the file's own table, when all of it has been read: throws what has been found.
   void throw_if_any() const;
   /// Folder of the file.
   const std::string& folder() const;
@@ -42,6 +39,12 @@ class StudyTable {
  private:
   struct State;
   explicit StudyTable(std::shared_ptr<State> state);
+  /// Row of a key of this table.
+  const scene::KeySpec& spec(const std::string& key) const;
+  /// Name of the table in messages, with a blank before it: " in [[step]]".
+  std::string in() const;
+  void missing(const std::string& key, const std::string& way_out);
+  void report_unknown_keys();
   std::shared_ptr<State> state_;
 };
 
