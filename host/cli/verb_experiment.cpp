@@ -29,6 +29,7 @@ int run_experiment(const ExperimentRequest& request, Invocation& invocation) {
   experiment::KeptSteps steps(invocation.common.output.empty() ? "experiment" : invocation.common.output, study.folder,
                               request.file, invocation.common.dry_run);
   if (invocation.common.dry_run) return dry_run(study, steps, invocation);
+  steps.forget_reports({"report.html", "numbers.json"});
   const run::Services services = services_of(invocation);
   std::vector<std::pair<std::string, experiment::KeptStep>> made;
   {

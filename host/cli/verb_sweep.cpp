@@ -27,6 +27,7 @@ int run_sweep(const SweepRequest& request, Invocation& invocation) {
   }
   experiment::KeptSteps steps(invocation.common.output.empty() ? "sweep" : invocation.common.output, sweep.folder,
                               request.file);
+  steps.forget_reports({"sweep.csv", "sweep.json", "sweep.png"});  // of other levels, perhaps
   const run::Services services = services_of(invocation);
   std::vector<std::vector<double>> metrics;
   {

@@ -9,7 +9,7 @@
 
 namespace raycube::experiment {
 
-/// A number among the results: a place in a JSON file, {step}/file.json and RFC 6901's pointer.
+/// A number among the results: a place in a JSON file, {step}/file.json and where in it (result_files.h).
 struct FigureValue {
   std::string name, file, at, unit;
   double times = 1;

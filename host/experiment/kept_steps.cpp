@@ -157,6 +157,18 @@ std::string KeptSteps::key_of(const StepPlan& step, const Names& names) const {
   return key.hex();
 }
 
+Names KeptSteps::values_of(const StepPlan& step, const Names& names) const {
+  Names out;
+  for (const Command& command : step.commands)
+    for (const std::string& word : command)
+      for (const std::string& name : names_in(word))
+        if (const auto value = names.find(name); value != names.end())
+          out.insert(*value);
+        else if (const auto before = values_.find(name); before != values_.end())
+          out.insert(before->second.begin(), before->second.end());
+  return out;
+}
+
 std::string KeptSteps::folder_of(const StepPlan& step, const std::string& key, bool by_key) const {
   return (fs::path(folder_) / "steps" / (by_key ? step.name + "-" + key.substr(0, 16) : step.name)).string();
 }
@@ -171,12 +183,18 @@ bool KeptSteps::is_kept(const StepPlan& step, const Names& names) const {
   return record.is_object() && record.value("key", "") == key;
 }
 
+void KeptSteps::forget_reports(const std::vector<std::string>& names) const {
+  std::error_code ignored;
+  for (const std::string& name : names) fs::remove(fs::path(folder_) / name, ignored);
+}
+
 KeptStep KeptSteps::make(const StepPlan& step, const Names& names, bool by_key) {
   KeptStep out;
   out.key = key_of(step, names);
   out.folder = folder_of(step, out.key, by_key);
+  const Names values_here = values_of(step, names);
   const auto take = [&](const std::string& run) {  // what builds on it is made of this very run
-    folders_[step.name] = out.folder, keys_[step.name] = out.key + run;
+    folders_[step.name] = out.folder, keys_[step.name] = out.key + run, values_[step.name] = values_here;
     return out;
   };
   if (const nlohmann::json record = record_of(out.folder); record.is_object() && record.value("key", "") == out.key) {
@@ -218,6 +236,7 @@ KeptStep KeptSteps::make(const StepPlan& step, const Names& names, bool by_key) 
   nlohmann::ordered_json record = {
       {"step", step.name}, {"key", out.key},           {"seconds", out.seconds}, {"processor_s", out.processor_s},
       {"run", run},        {"commands", step.commands}};
+  if (!values_here.empty()) record["parameters"] = values_here;
   base::write_output_file((folder / kRecord).string(), record.dump(2) + "\n", base::IfExists::replace);
   return take(run);
 }

@@ -41,6 +41,9 @@ class KeptSteps {
   /// Runs the step unless it is kept. by_key: its folder is called after what makes it, so that many of one name are
   /// kept side by side.
   KeptStep make(const StepPlan& step, const Names& names = {}, bool by_key = false);
+  /// Removes what an earlier run reported, by these files' names in the study's folder: whatever is there afterwards is
+  /// of this run.
+  void forget_reports(const std::vector<std::string>& names) const;
   /// Folders of the steps made so far, by name, and {here}.
   const Names& folders() const { return folders_; }
   const std::string& folder() const { return folder_; }
@@ -49,6 +52,8 @@ class KeptSteps {
 
  private:
   std::string key_of(const StepPlan& step, const Names& names) const;
+  /// Of the names, those that the step is made of, itself or by a step that it builds on.
+  Names values_of(const StepPlan& step, const Names& names) const;
   std::string file_hash(const std::string& path) const;
   std::string folder_of(const StepPlan& step, const std::string& key, bool by_key) const;
 
@@ -56,6 +61,7 @@ class KeptSteps {
   int lock_ = -1;
   Names folders_;
   std::map<std::string, std::string> keys_;
+  std::map<std::string, Names> values_;
   mutable std::map<std::string, std::pair<std::string, std::string>> hashes_;  ///< path: size and time, hash
 };
 

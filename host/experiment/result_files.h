@@ -1,4 +1,6 @@
-// Numbers in the JSON files that steps leave.
+// Numbers in the JSON files that steps leave, by their places: RFC 6901's, where name[key=value, ...] stands for the
+// one element of a list that has these values. What stands in a sweep's lists has no number that lasts and is only
+// found so.
 #pragma once
 
 #include <map>
@@ -10,7 +12,7 @@ namespace raycube::experiment {
 
 class StudyTable;
 
-/// Reports a text that is no place in a JSON file (RFC 6901).
+/// Reports a text that is no place in a JSON file.
 void check_place(StudyTable& table, const std::string& key, const std::string& place);
 
 /// Of many places in few files: each is read once.

@@ -45,8 +45,24 @@ std::vector<std::string> cells_of(const std::string& line) {
   return out;
 }
 
+/// Refuses a row that says itself that it is another point's.
+void check_point(const Sweep& sweep, const std::vector<std::string>& header, const std::vector<std::string>& row,
+                 const std::vector<double>& point, const std::string& where) {
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const auto found = std::find(header.begin(), header.end(), sweep.parameters[i].name);
+    const auto at = static_cast<std::size_t>(found - header.begin());
+    if (found == header.end() || at >= row.size() || row[at].empty()) continue;
+    const double said = std::strtod(row[at].c_str(), nullptr);
+    if (std::abs(said - point[i]) > 1e-6 * std::abs(point[i]))  // they may write fewer digits
+      throw base::Error(base::Fault::input,
+                        fmt::format("{}: {} is {} where the point has {}; rows are due in the order of the points",
+                                    where, sweep.parameters[i].name, row[at], point[i]));
+  }
+}
+
 /// Metrics by their columns, a row a point; an empty cell is no number.
-std::vector<std::vector<double>> read_results(const Sweep& sweep, const std::string& path, std::size_t points) {
+std::vector<std::vector<double>> read_results(const Sweep& sweep, const std::string& path,
+                                              const std::vector<std::vector<double>>& points) {
   std::ifstream results(path);
   std::vector<std::vector<double>> out;
   std::string line;
@@ -61,6 +77,8 @@ std::vector<std::vector<double>> read_results(const Sweep& sweep, const std::str
   }
   while (std::getline(results, line)) {
     const std::vector<std::string> row = cells_of(line);
+    if (out.size() < points.size())
+      check_point(sweep, header, row, points[out.size()], fmt::format("{}, row {}", path, out.size() + 1));
     auto& values = out.emplace_back();
     for (std::size_t m = 0; m < column.size(); ++m) {
       const std::string cell = column[m] < row.size() ? row[column[m]] : std::string();
@@ -74,10 +92,10 @@ std::vector<std::vector<double>> read_results(const Sweep& sweep, const std::str
       values.push_back(cell.empty() ? std::numeric_limits<double>::quiet_NaN() : value * sweep.metrics[m].times);
     }
   }
-  if (out.size() != points)
-    throw base::Error(
-        base::Fault::input,
-        fmt::format("{} has {} rows for {} points; a row is due for each, in their order", path, out.size(), points));
+  if (out.size() != points.size())
+    throw base::Error(base::Fault::input,
+                      fmt::format("{} has {} rows for {} points; a row is due for each, in their order", path,
+                                  out.size(), points.size()));
   return out;
 }
 
@@ -96,7 +114,7 @@ std::vector<std::vector<double>> run_batch(const Sweep& sweep, const std::vector
       if (const std::size_t at = word.find("{results}"); at != std::string::npos)
         word.replace(at, 9, "{folder}/results.csv");
   const KeptStep made = steps.make(step, names, true);
-  return read_results(sweep, made.folder + "/results.csv", points.size());
+  return read_results(sweep, made.folder + "/results.csv", points);
 }
 
 nlohmann::ordered_json number_or_null(double value) {
@@ -175,11 +193,16 @@ nlohmann::ordered_json sweep_json(const Sweep& sweep, const std::vector<std::vec
   nlohmann::ordered_json out = {{"title", sweep.title}, {"method", kMethods[static_cast<int>(sweep.method)]}};
   for (const Parameter& one : sweep.parameters)
     out["parameters"].push_back({{"name", one.name}, {"rest", one.rest}, {"log", one.logarithmic}});
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    nlohmann::ordered_json point;
+    for (std::size_t i = 0; i < points[p].size(); ++i) point[sweep.parameters[i].name] = points[p][i];
+    for (std::size_t m = 0; m < metrics[p].size(); ++m) point[sweep.metrics[m].name] = number_or_null(metrics[p][m]);
+    out["points"].push_back(std::move(point));
+  }
   for (std::size_t m = 0; m < sweep.metrics.size(); ++m) {
     nlohmann::ordered_json metric = {{"name", sweep.metrics[m].name}, {"unit", sweep.metrics[m].unit}};
     std::vector<double> values;
     for (const auto& row : metrics) values.push_back(row[m]);
-    for (const double value : values) metric["values"].push_back(number_or_null(value));
     if (sweep.method == SweepMethod::sobol) {
       const auto indices = sobol_indices(values, sweep.base_points, static_cast<int>(sweep.parameters.size()));
       for (std::size_t i = 0; i < indices.size(); ++i)
@@ -203,7 +226,6 @@ nlohmann::ordered_json sweep_json(const Sweep& sweep, const std::vector<std::vec
     }
     out["metrics"].push_back(metric);
   }
-  out["points"] = points;
   return out;
 }
 

@@ -25,7 +25,8 @@ def name_of(metric):
 
 def scatter(axes, data, metric, at):
     """The metric over one parameter; a line where the others are at rest."""
-    points, y = np.array(data["points"], dtype=float), values(metric["values"])
+    points = np.array([[point[p["name"]] for p in data["parameters"]] for point in data["points"]], dtype=float)
+    y = values([point[metric["name"]] for point in data["points"]])
     x, parameter = points[:, at], data["parameters"][at]
     if data["method"] == "one_at_a_time":
         others = [i for i in range(points.shape[1]) if i != at]
