@@ -99,7 +99,7 @@ class Rendering {
     run::check_inputs(simulation, instruments, lidars, true);
     for (const auto* lidar : lidars)
       if (lidar->products.laz) run::laz_python();
-    read_plan();
+    read_plan(instruments, lidars);
     render_cameras(simulation, instruments);
     planning_.renderer = nullptr;  // it went with the cameras
     for (const auto* lidar : lidars) render_one(simulation, *lidar);
@@ -112,9 +112,12 @@ class Rendering {
     return {folder_of(name), if_exists(invocation_.common), invocation_.command_line, load_s_};
   }
 
-  void read_plan() {
+  void read_plan(const std::vector<const scene::Instrument*>& instruments,
+                 const std::vector<const scene::Lidar*>& lidars) {
     if (options_.plan.empty()) return;
     replay_ = planner::read_plan_file(options_.plan);
+    for (const auto* instrument : instruments) planner::find_entry(*replay_, instrument->name, false, options_.plan);
+    for (const auto* lidar : lidars) planner::find_entry(*replay_, lidar->name, true, options_.plan);
     planning_.replay = &*replay_, planning_.replay_path = options_.plan;
   }
 

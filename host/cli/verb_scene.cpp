@@ -21,9 +21,9 @@ struct SceneRequest {
   std::string file;
 };
 
-scene::Simulation load(Invocation& invocation, const std::string& file, bool compile) {
+scene::Simulation load(Invocation& invocation, const std::string& file) {
   scene::LoadOptions options;
-  options.compile = compile;
+  options.overrides = invocation.common.set;  // of `check` alone
   auto simulation = scene::load_simulation(file, options);
   if (compile) run::keep_within_air(simulation);
   for (const auto& notice : simulation.notices) invocation.log.warning(notice);
@@ -45,8 +45,7 @@ Verb verb_scene_info() {
     table.argument("FILE", "A simulation file, or a compiled scene (.rcs)", o->file);
   };
   verb.run = [o](Invocation& invocation) {
-    print_info(invocation,
-               is_compiled(o->file) ? scene::load_compiled(o->file) : load(invocation, o->file, true).scene);
+    print_info(invocation, is_compiled(o->file) ? scene::load_compiled(o->file) : load(invocation, o->file).scene);
     return 0;
   };
   return verb;
@@ -59,12 +58,13 @@ Verb verb_scene_check() {
       "Whatever a render would refuse that needs neither the air computed nor a ray sent is told here: bands beyond "
       "the atmosphere's table or "
       "model, used materials whose curves do not cover them or that have no temperature for thermal light, views, "
-      "point spreads. "
+      "point spreads; and where no air is to be computed what planning refuses, a tolerance that no plan holds. "
       "render, check, plan, chart and tune begin with the same.";
   verb.examples = {"raycube scene check park.toml"};
+  verb.common = kSet;
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
   verb.run = [o](Invocation& invocation) {
-    const auto simulation = load(invocation, o->file, true);  // which materials are used, only the scene tells
+    const auto simulation = load(invocation, o->file);  // which materials are used, only the scene tells
     const auto notices = run::check_inputs(simulation);
     for (const auto& notice : notices) invocation.log.warning(notice);
     if (invocation.common.json)
@@ -92,7 +92,7 @@ Verb verb_scene_compile() {
     std::string output = invocation.common.output;
     if (output.empty())
       output = (o->file.ends_with(".toml") ? o->file.substr(0, o->file.size() - 5) : o->file) + ".rcs";
-    const auto simulation = load(invocation, o->file, true);
+    const auto simulation = load(invocation, o->file);
     scene::save_compiled(simulation.scene, output, invocation.common.overwrite);
     invocation.log.info("wrote " + output);
     print_info(invocation, simulation.scene);

@@ -12,7 +12,6 @@
 
 #include "host/base/error.h"
 #include "host/planner/judged_pixels.h"
-#include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
 #include "host/planner/replicated.h"
 #include "host/planner/sample_pattern.h"
@@ -23,10 +22,8 @@ namespace {
 
 constexpr int kMostTriedSamples = 1024;  ///< beyond, the law holds: more tell less than they cost
 constexpr int kMostTriedDirections = 256;
-constexpr int kMostRounds = 3;       ///< settings tried after the first look
-constexpr double kWorthATry = 0.75;  ///< of the cost: a try takes up to a quarter of a render
-constexpr int kFineDirections =
-    1024;  ///< of a plan that would not hold its tolerance by fewer; as many as `check` looks in
+constexpr int kMostRounds = 3;                        ///< settings tried after the first look
+constexpr double kWorthATry = 0.75;                   ///< of the cost: a try takes up to a quarter of a render
 constexpr double kMeasuring_s_per_wavelength = 1e-3;  ///< of the table, nominal: 2 s for the park's
 constexpr double kWorthMeasuring = 0.3;  ///< of the tolerance: less takes 5 % of what is left for samples and sky
 
@@ -98,21 +95,6 @@ namespace {
 /// Sky directions of the first look: its own, or fewer where the file gives fewer.
 int look_directions(const Decision& out, const scene::Simulation& simulation) {
   return out.directions_given ? std::min(simulation.sky_directions, kLookDirections) : kLookDirections;
-}
-
-/// Puts what is measured in place of the estimate.
-void measure_plan(Decision& out, const scene::Simulation& simulation, const scene::Instrument& instrument,
-                  const plan::Plan& plan, const atmos::RenderTable& table, int threads) {
-  ModelError error = model_error(simulation, instrument, plan, table, threads);
-  if (error.total.bound > simulation.tolerance)
-    error = model_error(simulation, instrument, plan, table, threads, kFineDirections);
-  out.plan_error = error.total.bound;
-  out.model_pixels = error.pixels;
-  out.measured.push_back(fmt::format(
-      "nodes and components: {:.2g} %, at most {:.2g} % (sun {:.2g}, sky {:.2g}, path {:.2g}, ground around {:.2g}, "
-      "emission {:.2g}), {} pixels against the whole tables",
-      100 * error.total.estimate, 100 * error.total.bound, 100 * error.sun.estimate, 100 * error.sky.estimate,
-      100 * error.path.estimate, 100 * error.environment.estimate, 100 * error.emission.estimate, error.pixels));
 }
 
 /// Tries samples and directions on the scene's own pixels until the cheapest levels that hold the tolerance are known.
@@ -429,21 +411,14 @@ Decision as_given(const scene::Simulation& simulation, const scene::Instrument& 
   return out;
 }
 
-void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument,
-                    const plan::Plan& plan, const atmos::RenderTable& table, int threads) {
-  if (plan.refusal.empty()) return;
-  measure_plan(decision, simulation, instrument, plan, table, threads);
-  if (decision.plan_error > simulation.tolerance)
-    throw base::Error(base::Fault::input, fmt::format("{}; measured on {} pixels of this scene: {:.3g}; raise the "
-                                                      "tolerance, narrow the field of view or split the scene's relief",
-                                                      plan.refusal, decision.model_pixels, decision.plan_error));
-}
-
 Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
                 const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads,
-                TrialProgress progress) {
+                TrialProgress progress, const Decision* held) {
   Decision out = as_given(simulation, instrument, plan);
-  hold_tolerance(out, simulation, instrument, plan, table, threads);
+  if (held)
+    take_held(out, *held);
+  else
+    hold_tolerance(out, simulation, instrument, plan, table, threads);
   const bool sky = plan.sends_rays(), rms = out.measure.figure == scene::ErrorFigure::rms;
   const bool all_given = out.samples_given && (out.directions_given || !sky);
   if (all_given && !estimate_given) return out;

@@ -98,10 +98,11 @@ Choice choose(const LevelErrors& of_samples, const LevelErrors& of_directions, d
 /// Makes the decision for an instrument. `plan`: of make_plan with `table`, any directions. With samples and directions
 /// both given nothing is tried unless `estimate_given`; else the nodes' and components' error is measured too where its
 /// estimate takes much of the tolerance. `threads`: of what is computed on the host; 0: all. `progress`: told of
-/// trials. Throws Error(input) as hold_tolerance does.
+/// trials. `held`: of hold_tolerance for the same plan, where that has been asked. Throws Error(input) as
+/// hold_tolerance does.
 Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
                 const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads = 0,
-                TrialProgress progress = {});
+                TrialProgress progress = {}, const Decision* held = nullptr);
 
 /// What the decision's settings cost, all replicates together.
 void count_cost(Decision& decision, const plan::Plan& plan);
@@ -109,10 +110,17 @@ void count_cost(Decision& decision, const plan::Plan& plan);
 /// The decision where nothing may be tried (no device, an internal camera): what the file or the defaults say.
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
 
+/// Puts what is measured against the whole tables in place of the estimate of nodes and components.
+void measure_plan(Decision& out, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                  const plan::Plan& plan, const atmos::RenderTable& table, int threads);
+
 /// Measures a plan that by its estimates may not hold the tolerance (Plan::refusal); throws Error(input) where it does
 /// not.
 void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument,
                     const plan::Plan& plan, const atmos::RenderTable& table, int threads = 0);
+
+/// What hold_tolerance has measured for another decision of the same plan.
+void take_held(Decision& decision, const Decision& held);
 
 /// Surveys the instrument's small objects for the decision's samples; those that its image will miss become a
 /// note.

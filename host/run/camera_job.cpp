@@ -71,6 +71,9 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
                              : sensors::SmallObjectPixels(simulation.scene, instrument);
   });
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
+  // Before the programs are compiled: a plan that no tolerance holds needs none.
+  planner::Decision held = planner::as_given(simulation, instrument, job.plan);
+  planner::hold_tolerance(held, simulation, instrument, job.plan, job.table, services.threads);
   services.log.set_status(instrument.name + ": planning samples and sky directions");
   job.plan.baked = std::make_shared<plan::BakedRows>();
   const auto load_programs = [&](const scene::Instrument& launched, const plan::Plan& plan) {
@@ -87,13 +90,12 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation,
                                      instrument, job.plan, planning.replay_path);
-    planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
+    planner::take_held(job.decision, held);
   } else if (planning.renderer) {
     job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table,
-                                   planning.estimate_given, services.threads, services.progress);
+                                   planning.estimate_given, services.threads, services.progress, &held);
   } else {
-    job.decision = planner::as_given(simulation, instrument, job.plan);
-    planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
+    job.decision = std::move(held);
   }
   planner::add_small_objects(job.decision, instrument, small.get());
   planner::apply(job.decision, *planned, job.plan);

@@ -24,6 +24,8 @@
 #include "host/plan/table_spectra.h"
 #include "host/plan/thermal_plan.h"
 #include "host/plan/thermal_use.h"
+#include "host/planner/planner.h"
+#include "host/sensors/cells.h"
 #include "host/sensors/detector.h"
 #include "host/sensors/psf.h"
 #include "host/sensors/view_bounds.h"
@@ -116,6 +118,7 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   if (bands) plan::check_curves(simulation.scene, instrument, problems, files);
   found.add(problems);
   found.part([&] { static_cast<void>(sensors::SampleWeights(instrument)); });
+  if (bands) found.part([&] { sensors::check_cells(instrument); });
   // The detector's tables, which measure the radiance once it is there. Elements are left out: a framing camera's are
   // made as they are read.
   if (instrument.detector && bands)
@@ -220,12 +223,35 @@ std::vector<std::string> check_inputs(const scene::Simulation& simulation,
   return found.notices();
 }
 
+namespace {
+
+/// What planning refuses: nodes that no plan can have, a tolerance that their channels do not hold. Where the table is
+/// known this needs no ray and no model of the air; a render plans in any case, and asks later.
+void check_plan(const scene::Simulation& simulation, const scene::Instrument& given, Found& found) {
+  found.part([&] {
+    const auto cells = sensors::make_cells(given, 0);
+    const scene::Instrument& instrument = cells ? cells->rendered : given;
+    const plan::ViewBounds view = sensors::view_bounds(instrument);
+    const auto table = known_table(air_request(simulation, instrument, view.sensor_height_m));
+    if (!table) return;
+    const plan::Plan plan = plan::make_plan(simulation, instrument, *table, view, 0);
+    planner::Decision decision = planner::as_given(simulation, instrument, plan);
+    planner::hold_tolerance(decision, simulation, instrument, plan, *table, 0);
+  });
+}
+
+}  // namespace
+
 std::vector<std::string> check_inputs(const scene::Simulation& simulation) {
   std::vector<const scene::Instrument*> instruments;
   std::vector<const scene::Lidar*> lidars;
   for (const auto& instrument : simulation.instruments) instruments.push_back(&instrument);
   for (const auto& lidar : simulation.lidars) lidars.push_back(&lidar);
-  return check_inputs(simulation, instruments, lidars, true);
+  std::vector<std::string> notices = check_inputs(simulation, instruments, lidars, true);
+  Found found;
+  for (const auto* instrument : instruments) check_plan(simulation, *instrument, found);
+  found.throw_if_any();
+  return notices;
 }
 
 }  // namespace raycube::run

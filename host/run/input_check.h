@@ -15,11 +15,13 @@ namespace raycube::run {
 /// atmosphere's table or its model's range; light between ground and air that the table has no rows for.
 /// `scene check`, and what begins a render, a check, a plan, a chart and a tuning. Returns what is not refused
 /// but to be known of instruments under a table that needs no computing, as a render says it later.
-/// `background`: with what the light of the scene in LIDARs' fields of view asks for, which renders alone compute.
+/// `background`: with what the light of the scene in LIDARs' fields of view asks for, which renders alone compute;
+/// plans of renders ask, too.
 std::vector<std::string> check_inputs(const scene::Simulation& simulation,
                                       const std::vector<const scene::Instrument*>& instruments,
                                       const std::vector<const scene::Lidar*>& lidars, bool background = false);
-/// The same for all instruments and LIDARs of the file, with background.
+/// The same for all instruments and LIDARs of the file, with background; and what planning refuses where the table of
+/// the air is known: a tolerance that no plan holds, levels of [plan] that none can have.
 std::vector<std::string> check_inputs(const scene::Simulation& simulation);
 
 }  // namespace raycube::run

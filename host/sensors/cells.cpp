@@ -168,8 +168,13 @@ void make_bands(Cells& cells) {
   }
 }
 
-/// One kernel for all bands of a plane that sees them alike, else one each.
-void make_kernels(Cells& cells, const std::vector<OpticalTransfer>& optics, int threads) {
+std::string kernel_name(const Instrument& seen, std::size_t plane) {
+  return seen.name + ", focal plane '" + seen.focal_planes[plane].name + "'";
+}
+
+/// Kernels, which know only how far they reach: one for all bands of a plane that sees them alike, else one each. Which
+/// band each is of.
+std::vector<std::size_t> lay_out_kernels(Cells& cells, const std::vector<OpticalTransfer>& optics) {
   const Instrument& seen = cells.seen;
   std::vector<std::size_t> of_plane(optics.size(), SIZE_MAX), made_for;
   for (std::size_t b = 0; b < seen.bands.size(); ++b) {
@@ -182,11 +187,20 @@ void make_kernels(Cells& cells, const std::vector<OpticalTransfer>& optics, int 
                                    offset[1] * cells.grid.lines_of_pixel * cells.grid.cells[1]};
   }
   cells.kernels.resize(made_for.size());
+  for (std::size_t i = 0; i < made_for.size(); ++i) {
+    const double um = seen.bands[made_for[i]].center_um;
+    const std::size_t plane = seen.plane_of(um);
+    cells.kernels[i].half = kernel_half(optics[plane], um, cells.grid, kernel_name(seen, plane));
+  }
+  return made_for;
+}
+
+void make_kernels(Cells& cells, const std::vector<OpticalTransfer>& optics, const std::vector<std::size_t>& made_for,
+                  int threads) {
   base::for_each_index(made_for.size(), threads, [&](std::size_t i) {
-    const std::size_t b = made_for[i];
-    const std::size_t plane = seen.plane_of(seen.bands[b].center_um);
-    cells.kernels[i] = make_kernel(optics[plane], seen.bands[b].center_um, cells.grid,
-                                   seen.name + ", focal plane '" + seen.focal_planes[plane].name + "'");
+    const double um = cells.seen.bands[made_for[i]].center_um;
+    const std::size_t plane = cells.seen.plane_of(um);
+    cells.kernels[i] = make_kernel(optics[plane], um, cells.grid, kernel_name(cells.seen, plane));
   });
 }
 
@@ -203,6 +217,46 @@ void settle_margin(Cells& cells) {
     far += kShiftReach + 1 + (axis == 0 ? cells.most_keystone_px * cells.grid.cells[0] : 0);
     cells.margin_px[axis] = static_cast<int>(std::ceil(far / cells.grid.cells[axis]));
   }
+}
+
+/// Planes as their light spreads. Keeps references to cells.seen.
+std::vector<OpticalTransfer> optics_of(const Cells& cells) {
+  std::vector<OpticalTransfer> optics;
+  const double highest = std::max(9, cells.seen.oversampling) * std::max(1.0, cells.grid.lines_of_pixel);
+  for (const FocalPlane& plane : cells.seen.focal_planes) optics.emplace_back(plane, highest);
+  return optics;
+}
+
+/// Everything but what the kernels weigh and the poses: grid, bands, margins, numbers of cells. Which band each kernel
+/// is of.
+std::vector<std::size_t> lay_out(Cells& cells, const std::vector<OpticalTransfer>& optics) {
+  const Instrument& seen = cells.seen;
+  int q = seen.oversampling;
+  for (std::size_t b = 0; seen.oversampling == 0 && b < seen.bands.size(); ++b)
+    q = std::max(q, enough_cells(optics[seen.plane_of(seen.bands[b].center_um)], seen.bands[b].center_um));
+  cells.grid.cells = {q, cells_of_line(q, cells.grid.lines_of_pixel)};
+  make_bands(cells);
+  auto made_for = lay_out_kernels(cells, optics);
+  settle_margin(cells);
+  const auto& n = cells.grid.cells;
+  const double across = (seen.pixels + 2.0 * cells.margin_px[0]) * n[0],
+               along = (seen.lines + 2.0 * cells.margin_px[1]) * n[1],
+               most = kMostCells / (seen.kind == InstrumentKind::whiskbroom ? 5 : 1);
+  if (across * along > most)
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("instrument '{}': its focal planes make {:.0f} x {:.0f} cells of its pixels, more than "
+                    "{:.0e}; split the image, or lower oversampling",
+                    seen.name, across, along, most));
+  cells.rendered.pixels = static_cast<int>(across), cells.rendered.lines = static_cast<int>(along);
+  return made_for;
+}
+
+Cells begin_cells(const Instrument& instrument) {
+  Cells cells;
+  cells.seen = cells.rendered = instrument;
+  cells.grid.lines_of_pixel = lines_of_pixel(instrument);
+  return cells;
 }
 
 }  // namespace
@@ -237,34 +291,19 @@ double keystone_px(const Instrument& instrument, std::size_t band, double sample
                       : 0;
 }
 
+void check_cells(const Instrument& instrument) {
+  if (instrument.focal_planes.empty()) return;
+  Cells cells = begin_cells(instrument);
+  lay_out(cells, optics_of(cells));
+}
+
 std::shared_ptr<const Cells> make_cells(const Instrument& instrument, int threads) {
   if (instrument.focal_planes.empty()) return nullptr;
-  auto cells = std::make_shared<Cells>();
-  cells->seen = cells->rendered = instrument;
-  cells->grid.lines_of_pixel = lines_of_pixel(instrument);
-  std::vector<OpticalTransfer> optics;
-  const double highest = std::max(9, instrument.oversampling) * std::max(1.0, cells->grid.lines_of_pixel);
-  for (const FocalPlane& plane : cells->seen.focal_planes) optics.emplace_back(plane, highest);
-  int q = instrument.oversampling;
-  for (std::size_t b = 0; instrument.oversampling == 0 && b < instrument.bands.size(); ++b)
-    q = std::max(
-        q, enough_cells(optics[instrument.plane_of(instrument.bands[b].center_um)], instrument.bands[b].center_um));
-  cells->grid.cells = {q, cells_of_line(q, cells->grid.lines_of_pixel)};
-  make_bands(*cells);
-  make_kernels(*cells, optics, threads);
-  settle_margin(*cells);
+  auto cells = std::make_shared<Cells>(begin_cells(instrument));
+  const std::vector<OpticalTransfer> optics = optics_of(*cells);
+  make_kernels(*cells, optics, lay_out(*cells, optics), threads);
   Instrument& r = cells->rendered;
   const auto& n = cells->grid.cells;
-  const double across = (instrument.pixels + 2.0 * cells->margin_px[0]) * n[0],
-               along = (instrument.lines + 2.0 * cells->margin_px[1]) * n[1],
-               most = kMostCells / (instrument.kind == InstrumentKind::whiskbroom ? 5 : 1);
-  if (across * along > most)
-    throw base::Error(
-        base::Fault::input,
-        fmt::format("instrument '{}': its focal planes make {:.0f} x {:.0f} cells of its pixels, more than "
-                    "{:.0e}; split the image, or lower oversampling",
-                    instrument.name, across, along, most));
-  r.pixels = static_cast<int>(across), r.lines = static_cast<int>(along);
   r.ifov_across_rad /= n[0], r.ifov_along_rad /= n[1] * cells->grid.lines_of_pixel;
   r.motion = scene::PoseMotion::held;
   r.poses = cell_poses(*cells);

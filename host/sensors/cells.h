@@ -50,5 +50,7 @@ double keystone_px(const scene::Instrument& instrument, std::size_t band, double
 /// unevenly on the ground (by more than a tenth), or more than five times closer or farther apart than its pixels are
 /// long, and for point spreads that reach too far.
 std::shared_ptr<const Cells> make_cells(const scene::Instrument& instrument, int threads);
+/// Refuses what make_cells does, without the kernels' weights.
+void check_cells(const scene::Instrument& instrument);
 
 }  // namespace raycube::sensors

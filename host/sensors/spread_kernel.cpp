@@ -91,18 +91,25 @@ Complex SpreadKernel::transfer(const KernelGrid& grid, double fu, double fv) con
   return sum * sinc(u) * sinc(v);
 }
 
-SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid, const std::string& what) {
+std::array<int, 2> kernel_half(const OpticalTransfer& optics, double um, const KernelGrid& grid,
+                               const std::string& what) {
   const auto reach = optics.reach_px(um);
   const std::array<double, 2> far{reach[0] * grid.cells[0], reach[1] * grid.lines_of_pixel * grid.cells[1]};
   if (std::max(far[0], far[1]) > kMostHalf)
     throw base::Error(
         base::Fault::input,
-        fmt::format("{}: its point spread at {:.4g} um reaches {:.3g} pixels, {:.0f} cells of a pixel's "
+        fmt::format("{}: its point spread at {:.4g} um reaches {:.0f} pixels, {:.0f} cells of a pixel's "
                     "{}; at most {} can be: narrow it, or lower oversampling",
                     what, um, std::max(reach[0], reach[1]), std::max(far[0], far[1]), grid.cells[0], kMostHalf));
-  SpreadKernel out;
+  std::array<int, 2> half{};
   for (std::size_t axis = 0; axis < 2; ++axis)
-    out.half[axis] = std::max(static_cast<int>(std::ceil(far[axis])), grid.cells[axis] / 2);
+    half[axis] = std::max(static_cast<int>(std::ceil(far[axis])), grid.cells[axis] / 2);
+  return half;
+}
+
+SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid, const std::string& what) {
+  SpreadKernel out;
+  out.half = kernel_half(optics, um, grid, what);
   Eigen::MatrixXd w = weights(optics, um, grid, out.half);
   w /= w.sum();
   out.terms = products_of(w);

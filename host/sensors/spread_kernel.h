@@ -43,7 +43,11 @@ struct SpreadKernel {
 std::complex<double> wanted_transfer(const OpticalTransfer& optics, double um, const KernelGrid& grid, double fu,
                                      double fv);
 
-/// Throws Error(input), which begins with `what`, where the spread reaches farther than kMostHalf cells.
+/// Cells on either side of a kernel's middle, across and along. Throws Error(input), which begins with `what`, where
+/// the spread reaches farther than kMostHalf cells.
+std::array<int, 2> kernel_half(const OpticalTransfer& optics, double um, const KernelGrid& grid,
+                               const std::string& what);
+/// Refuses what kernel_half does.
 SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid, const std::string& what);
 inline constexpr int kMostHalf = 250;
 

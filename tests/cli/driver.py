@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 
 import numpy
 
@@ -105,12 +106,29 @@ def own_cache(folder):
     return str(pathlib.Path(folder) / "cache")
 
 
+def _errors(stderr):
+    """What is refused, whatever the order."""
+    lines = {line for line in stderr.splitlines() if line.startswith("raycube: error: ")}
+    return {line for line in lines if "no [[instrument]] or [[lidar]] looks at the scene" not in line}
+
+
+def _content(folder):
+    """What tells a folder's files from others': names, sizes, and what small ones hold."""
+    out = []
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and not path.is_symlink():
+            small = path.stat().st_size < 1 << 20
+            out.append((str(path), path.stat().st_size, hash(path.read_bytes()) if small else path.stat().st_mtime_ns))
+    return tuple(out)
+
+
 class Program:
     """The raycube under test; counts what was checked."""
 
     def __init__(self, path):
         self.path = str(pathlib.Path(path).resolve())
         self.checks = 0
+        self._alike = set()  # scenes that all four verbs were seen to refuse
 
     def run(self, *arguments, status=0, env=None, **more):
         done = patience.run(
@@ -125,7 +143,44 @@ class Program:
         assert (
             done.returncode == status
         ), f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"
+        if status == 2 and env is None and more.keys() <= {"cwd"}:
+            self._refused_alike([*map(str, arguments)], done.stderr, more)
         return done
+
+    def _refused_alike(self, arguments, stderr, more):
+        """What one of `scene check`, `plan`, `render --dry-run` and `render` refuses of a scene they all refuse, in the
+        same words, and before a kernel is compiled for it. (A scene that nothing looks at can be checked.)"""
+        verb = arguments[:2] if arguments[0] == "scene" else arguments[:1]
+        words, settings, files = arguments[len(verb) :], [], []
+        while words:
+            word = words.pop(0)
+            if word == "--set":
+                settings += [word, words.pop(0)]
+            elif word == "-o":
+                words.pop(0)
+            elif word not in ("-q", "--dry-run"):
+                files.append(word)
+        errors = _errors(stderr)
+        at = pathlib.Path(more.get("cwd", "."), files[0] if files else "")
+        if verb not in (["scene", "check"], ["plan"], ["render"]) or len(files) != 1 or not at.is_file():
+            return
+        if any("--overwrite" in line or "-o" in line.split() for line in errors):  # of the place, not of the scene
+            return
+        state = (tuple(settings), _content(at.parent))
+        if state in self._alike:
+            return
+        self._alike.add(state)
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder) / "programs"
+            for other in (["scene", "check"], ["plan"], ["render", "--dry-run"], ["render", "-o", f"{folder}/out"]):
+                if other[: len(verb)] == verb and ("--dry-run" in other) == ("--dry-run" in arguments):
+                    continue
+                environment = {**os.environ, "RAYCUBE_PROGRAM_LOG": str(log)}
+                command = [self.path, *by_other_seed((*other, files[0], *settings))]
+                done = patience.run(command, capture_output=True, text=True, env=environment, **more)
+                self.check(done.returncode == 2, "only", verb, "refuses", files, other, errors, done.stderr)
+                self.check(_errors(done.stderr) == errors, verb, other, errors, done.stderr)
+            self.check(not log.exists(), "kernels compiled for what is refused", arguments, errors)
 
     def start(self, *arguments, env=None, **more):
         return subprocess.Popen(

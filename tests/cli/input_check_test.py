@@ -174,7 +174,7 @@ with tempfile.TemporaryDirectory() as work:
         ("line", ("reflectance = 0.3", 'file = "line.csv"'), ["line.csv", "begins too late and ends too early"]),
     ):
         light = edited(lidar(work, name + "_light.toml", LAYERED), *change)
-        for verb in (["scene", "check", light], ["render", light, "-o", work / "out"]):
+        for verb in (["scene", "check", light], ["plan", light], ["render", light, "-o", work / "out"]):
             refused(
                 *verb,
                 status=2,
@@ -185,7 +185,6 @@ with tempfile.TemporaryDirectory() as work:
                 ],
             )
             check(not (work / "out").exists())
-        run("plan", light)  # which computes none of it
         dark = edited(
             edited(lidar(work, name + "_dark.toml", LAYERED), *change),
             "solar_background = true",
@@ -194,7 +193,15 @@ with tempfile.TemporaryDirectory() as work:
         check("sound" in run("scene", "check", dark).stdout)
     up = edited(lidar(work, "up.toml", LAYERED), "prf_khz = 10.0", "prf_khz = 10.0\npitch_deg = 180.0")
     refused("scene", "check", up, status=2, says=["LIDAR 'scan'", "looks up or level", "set solar_background = false"])
-    run("plan", up)
+
+    # A tolerance that no plan holds, by the whole tables, before a kernel is compiled; `scene check` knows where no air
+    # is to be computed.
+    bound = ("atmos", "build", "--model", "clear_sky", "--sun-zenith", "40", "--sun-azimuth", "150")
+    run(*bound, "--sensor-height", "500", "-o", work / "sun.rct")
+    head = "tolerance = 1e-7\nbounces = 0"
+    fine = scene(work, "fine.toml", head=head, air='{ tables = "sun.rct" }', pixels=2, lines=2)
+    refused("scene", "check", fine, status=2, says=["32 channels cannot hold the tolerance of 1e-07", "measured on "])
+    check("sound" in run("scene", "check", fine, "--set", "tolerance=0.01").stdout)
 
     # An output that may not be replaced is known as early.
     done = refused(
