@@ -15,31 +15,58 @@ constexpr double kNoPixel = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMostSteps = 30;
 constexpr double kSettled_px = 1e-5;
 constexpr double kLeastCorrelation = 0.1;
+constexpr int kPoints = 6;         ///< that pixels between pixels are interpolated from, along each axis
+constexpr int kCheckPoints = 8;    ///< that tell what six leave
+constexpr std::size_t kPatch = 8;  ///< pixels of a patch: what is left over is taken for alike inside of one
 
-/// Keys' cubic with a = -1/2 at a distance of 1 + t, t, 1 - t, 2 - t, and its derivative by t.
-void keys(double t, std::array<double, 4>& weight, std::array<double, 4>& slope) {
-  weight = {((-0.5 * t + 1) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1, ((-1.5 * t + 2) * t + 0.5) * t,
-            (0.5 * t - 0.5) * t * t};
-  slope = {(-1.5 * t + 2) * t - 0.5, (4.5 * t - 5) * t, (-4.5 * t + 4) * t + 0.5, (1.5 * t - 1) * t};
+/// Shift along one axis: whole pixels, and the weights of as many neighbours as Lagrange's polynomial goes through, with
+/// their derivatives by the shift.
+struct Reach {
+  std::int64_t first = 0;  ///< neighbour of pixel 0 that has the first weight
+  std::vector<double> weight, slope;
+};
+
+Reach reach_of(double shift, int points) {
+  const double whole = std::floor(shift), t = shift - whole;
+  Reach out;
+  out.first = static_cast<std::int64_t>(whole) - (points / 2 - 1);
+  for (int i = 0; i < points; ++i) {
+    const auto from = [&](int j) { return t - (j - (points / 2 - 1)); };
+    double weight = 1, slope = 0;
+    for (int j = 0; j < points; ++j) {
+      if (j == i) continue;
+      double rest = 1.0 / (i - j);
+      for (int k = 0; k < points; ++k)
+        if (k != i && k != j) rest *= from(k) / (i - k);
+      slope += rest, weight *= from(j) / (i - j);
+    }
+    out.weight.push_back(weight), out.slope.push_back(slope);
+  }
+  return out;
 }
 
 struct Point {
   double value = kNoPixel, along_x = 0, along_y = 0;
 };
 
-/// The picture and its slopes between pixels; not a number where a neighbour is none.
-Point interpolated(const Picture& p, double x, double y) {
-  const double left = std::floor(x), top = std::floor(y);
-  if (left < 1 || top < 1 || left + 3 > static_cast<double>(p.samples) || top + 3 > static_cast<double>(p.lines))
+/// The picture and its slopes between pixels; not a number where a neighbour is none. Pixels that the widest
+/// interpolation does not reach are left out by all, so that all are of the same pixels.
+Point interpolated(const Picture& p, std::size_t sample, std::size_t line, const Reach& x, const Reach& y) {
+  const auto spare = (kCheckPoints - static_cast<std::int64_t>(x.weight.size())) / 2;
+  const auto left = static_cast<std::int64_t>(sample) + x.first, top = static_cast<std::int64_t>(line) + y.first;
+  const auto points = static_cast<std::int64_t>(x.weight.size());
+  if (left < spare || top < spare || left + points + spare > static_cast<std::int64_t>(p.samples) ||
+      top + points + spare > static_cast<std::int64_t>(p.lines))
     return {};
-  std::array<double, 4> wx, wy, sx, sy;
-  keys(x - left, wx, sx), keys(y - top, wy, sy);
   Point out{0, 0, 0};
-  for (std::size_t j = 0; j < 4; ++j)
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double v = p.at(static_cast<std::size_t>(top) + j - 1, static_cast<std::size_t>(left) + i - 1);
-      out.value += wy[j] * wx[i] * v, out.along_x += wy[j] * sx[i] * v, out.along_y += sy[j] * wx[i] * v;
+  for (std::size_t j = 0; j < y.weight.size(); ++j) {
+    double value = 0, slope = 0;
+    for (std::size_t i = 0; i < x.weight.size(); ++i) {
+      const double v = p.at(static_cast<std::size_t>(top) + j, static_cast<std::size_t>(left) + i);
+      value += x.weight[i] * v, slope += x.slope[i] * v;
     }
+    out.value += y.weight[j] * value, out.along_x += y.weight[j] * slope, out.along_y += y.slope[j] * value;
+  }
   return out;
 }
 
@@ -70,21 +97,35 @@ struct Step {
   double squares = 0, count = 0, correlation = 0;
 };
 
-Step step_of(const Picture& a, const Picture& b, const std::array<std::size_t, 4>& box, double dx, double dy) {
+using Row = Eigen::Matrix<double, 5, 1>;
+
+/// Calls on(row, patch, here, there) for each pixel of the box that both have; a row is linear in the shift's change, c
+/// and g: b(x + d) + slopes change = c + g a(x).
+template <class On>
+void for_each_row(const Picture& a, const Picture& b, const std::array<std::size_t, 4>& box, double dx, double dy,
+                  int points, const On& on) {
   const auto [left, top, samples, lines] = box;
-  // Linear in the shift's change, c and g: b(x + d) + slopes change = c + g a(x).
+  const Reach x = reach_of(dx, points), y = reach_of(dy, points);
+  const std::size_t patches = (samples + kPatch - 1) / kPatch;
+  for (std::size_t line = 0; line < lines; ++line)
+    for (std::size_t sample = 0; sample < samples; ++sample) {
+      const Point there = interpolated(b, left + sample, top + line, x, y);
+      const double here = a.at(top + line, left + sample);
+      if (std::isnan(there.value) || std::isnan(here)) continue;
+      Row row;
+      row << -there.along_x, -there.along_y, 1, here, there.value;
+      on(row, line / kPatch * patches + sample / kPatch, here, there.value);
+    }
+}
+
+Step step_of(const Picture& a, const Picture& b, const std::array<std::size_t, 4>& box, double dx, double dy,
+             int points = kPoints) {
   Eigen::Matrix<double, 5, 5> sums = Eigen::Matrix<double, 5, 5>::Zero();
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
-  for (std::size_t line = top; line < top + lines; ++line)
-    for (std::size_t sample = left; sample < left + samples; ++sample) {
-      const Point there = interpolated(b, static_cast<double>(sample) + dx, static_cast<double>(line) + dy);
-      const double here = a.at(line, sample);
-      if (std::isnan(there.value) || std::isnan(here)) continue;
-      Eigen::Matrix<double, 5, 1> row;
-      row << -there.along_x, -there.along_y, 1, here, there.value;
-      sums.selfadjointView<Eigen::Lower>().rankUpdate(row);
-      ++n, x += here, y += there.value, xx += here * here, yy += there.value * there.value, xy += here * there.value;
-    }
+  for_each_row(a, b, box, dx, dy, points, [&](const Row& row, std::size_t, double here, double there) {
+    sums.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    ++n, x += here, y += there, xx += here * here, yy += there * there, xy += here * there;
+  });
   Step out;
   out.count = n;
   const Eigen::Matrix<double, 5, 5> whole = sums.selfadjointView<Eigen::Lower>();
@@ -93,6 +134,30 @@ Step step_of(const Picture& a, const Picture& b, const std::array<std::size_t, 4
   out.change = out.normal.ldlt().solve(right);
   out.squares = std::max(0.0, whole(4, 4) - right.dot(out.change));
   out.correlation = (xy - x * y / n) / std::sqrt((xx - x * x / n) * (yy - y * y / n));
+  return out;
+}
+
+/// Standard errors of the shift: of the least squares, by what is left over, pixel by pixel or patch by patch, whichever
+/// is more (what edges and waves leave is alike in neighbours); and what six points are off by, the step that eight
+/// would still make.
+std::array<double, 2> errors_of(const Picture& a, const Picture& b, const std::array<std::size_t, 4>& box,
+                                const Shift& shift, const Step& last) {
+  std::vector<Eigen::Vector4d> patch(((box[2] + kPatch - 1) / kPatch) * ((box[3] + kPatch - 1) / kPatch),
+                                     Eigen::Vector4d::Zero());
+  for_each_row(a, b, box, shift.samples, shift.lines, kPoints,
+               [&](const Row& row, std::size_t which, double, double there) {
+                 patch[which] += row.head<4>() * (there - row.head<4>().dot(last.change));
+               });
+  Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+  for (const Eigen::Vector4d& one : patch) squares += one * one.transpose();
+  const Eigen::Matrix4d inverse = last.normal.ldlt().solve(Eigen::Matrix4d::Identity()),
+                        by_patch = inverse * squares * inverse;
+  const Step finer = step_of(a, b, box, shift.samples, shift.lines, kCheckPoints);
+  const double variance = last.squares / std::max(1.0, last.count - 4);
+  std::array<double, 2> out{};
+  for (int k = 0; k < 2; ++k)
+    out[static_cast<std::size_t>(k)] =
+        std::sqrt(std::max({0.0, variance * inverse(k, k), by_patch(k, k)}) + finer.change[k] * finer.change[k]);
   return out;
 }
 
@@ -121,18 +186,18 @@ Shift shift_of(const Picture& first, const Picture& second, std::size_t left, st
         best = alike, out.samples = dx, out.lines = dy;
   if (!(best > kLeastCorrelation)) return out;
   const double whole_x = out.samples, whole_y = out.lines;
+  Step step;
   for (int k = 0; k < kMostSteps; ++k) {
-    const Step step = step_of(first, second, box, out.samples, out.lines);
+    step = step_of(first, second, box, out.samples, out.lines);
     if (!(step.count > 16) || !step.change.allFinite()) return {};
     const double most = std::max(std::abs(step.change[0]), std::abs(step.change[1])), part = std::min(1.0, 0.5 / most);
     out.samples += part * step.change[0], out.lines += part * step.change[1];
-    const Eigen::Matrix4d inverse = step.normal.ldlt().solve(Eigen::Matrix4d::Identity());
-    const double variance = step.squares / std::max(1.0, step.count - 4);
-    out.samples_error = std::sqrt(std::max(0.0, variance * inverse(0, 0)));
-    out.lines_error = std::sqrt(std::max(0.0, variance * inverse(1, 1)));
-    out.correlation = step.correlation;
     if (most < kSettled_px) break;
   }
+  step = step_of(first, second, box, out.samples, out.lines);
+  if (!(step.count > 16) || !step.change.allFinite()) return {};
+  const auto errors = errors_of(first, second, box, out, step);
+  out.samples_error = errors[0], out.lines_error = errors[1], out.correlation = step.correlation;
   out.found = std::abs(out.samples - whole_x) <= 1.5 && std::abs(out.lines - whole_y) <= 1.5;
   return out;
 }
