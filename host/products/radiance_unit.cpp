@@ -56,7 +56,7 @@ const Unit* unit_named(const std::string& name) {
   return found == known.end() ? nullptr : &found->second;
 }
 
-/// Lower-case ASCII; the Greek and the micro sign (UTF-8, Latin-1) as u.
+/// Lower-case ASCII; the Greek and the micro sign (UTF-8, Latin-1) as u, superscripts as the signs that they raise.
 std::string plain(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -64,8 +64,12 @@ std::string plain(const std::string& text) {
     const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0u;
     if ((c == 0xc2 && next == 0xb5) || (c == 0xce && next == 0xbc)) {
       out += 'u', ++i;
-    } else if (c == 0xc2 && next == 0xb2) {  // superscript two
-      out += "2", ++i;
+    } else if (c == 0xc2 && (next == 0xb2 || next == 0xb9)) {  // superscript two and one
+      out += next == 0xb2 ? '2' : '1', ++i;
+    } else if (text.compare(i, 3, "\xe2\x81\xbb") == 0) {  // superscript minus
+      out += '-', i += 2;
+    } else if (c == 0xc2 && next == 0xb7) {  // middle dot
+      out += '.', ++i;
     } else if (c == 0xb5) {
       out += 'u';
     } else {
@@ -80,7 +84,9 @@ std::string plain(const std::string& text) {
 std::optional<double> radiance_of(const std::string& unit) {
   const std::string text = plain(unit);
   double factor = 1, powers[dimensions] = {};
-  int sign = 1, times = 1;   // of the next unit: below a line or not; "square"
+  int sign = 1, times = 1;  // of the next unit: below a line or not; "square"
+  const Unit* last = nullptr;
+  int last_exponent = 0;     // of the last unit, which "squared" doubles
   std::vector<int> outside;  // signs before parentheses
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
@@ -92,6 +98,7 @@ std::optional<double> radiance_of(const std::string& unit) {
       if (word == "per" || word == "square" || word == "squared") {
         if (word == "per") sign = -1;
         if (word == "square") times = 2;
+        if (word == "squared" && last) powers[last->of] += last_exponent, factor *= std::pow(last->size, last_exponent);
         continue;
       }
       const Unit* const known = unit_named(word);
@@ -110,6 +117,7 @@ std::optional<double> radiance_of(const std::string& unit) {
       exponent *= sign * times;
       powers[known->of] += exponent;
       factor *= std::pow(known->size, exponent);
+      last = known, last_exponent = exponent;
       times = 1;
       if (outside.empty()) sign = sign < 0 && text.find("per") != std::string::npos ? sign : 1;
     } else if (c == '/') {

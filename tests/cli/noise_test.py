@@ -212,6 +212,31 @@ def nothing_known(folder):
     program.check(not np.array_equal(other[known], values[known]), "each camera has noise of its own")
 
 
+def units(folder):
+    """The same light in other units is measured the same: its numbers are converted by hand here."""
+    light = np.tile(LEVELS, 8)[None, :, None] * np.ones((20, 1, 1))
+    one = "{ first_nm = 500.0, step_nm = 1.0, count = 1, fwhm_nm = 12.0 }"
+    file = simulation(folder, OPTICS + "dark_e_s = 100.0\nread_noise_e = 30.0\n", "framing", 20, 40, one)
+    right, header, _ = measured(folder, write_cube(folder / "w.img", light, data_units="W m-2 sr-1 um-1"), file)
+    program.check(header["data units"] == "W m-2 sr-1 um-1", header)
+    for unit, ours in (
+        ("uW cm-2 sr-1 nm-1", 10),
+        ("microwatts per square centimeter per nanometer per steradian", 10),
+        ("mW m-2 sr-1 nm-1", 1),
+        ("W/(m^2 sr nm)", 1000),
+        ("uW/m^2/sr/nm", 1e-3),
+    ):
+        cube = write_cube(folder / "other.img", light / ours, dtype="f8", data_units=unit)
+        values, header, _ = measured(folder, cube, file)
+        program.check(header["data units"] == "W m-2 sr-1 um-1", unit, header)
+        program.check(np.abs(values - right).max() < 1e-4, unit, np.abs(values - right).max())
+    done = program.run("noise", write_cube(folder / "other.img", light), file, "-o", folder / "noisy", "--overwrite")
+    program.check("names no data units" in done.stderr, done.stderr)
+    for unit in ("W m-2 sr-1", "reflectance"):
+        cube = write_cube(folder / "other.img", light, data_units=unit)
+        program.refused("noise", cube, file, "-o", folder / "no", status=2, says=[f"found '{unit}'"])
+
+
 def fixed_pattern(folder):
     """What stays: columns of a pushbroom, pixels of a framing camera."""
     light = write_cube(
@@ -322,6 +347,7 @@ with tempfile.TemporaryDirectory() as name:
     invariance(top, light_cube, photons(top, light_cube))
     tables(top, light_cube)
     nothing_known(top)
+    units(top)
     fixed_pattern(top)
     temperatures(top)
     rendered(top)
