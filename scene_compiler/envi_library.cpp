@@ -1,234 +1,117 @@
 #include "scene_compiler/envi_library.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cstring>
-#include <filesystem>
-#include <map>
+#include <cmath>
 #include <sstream>
 
+#include "host/products/envi_reader.h"
+#include "host/products/radiance_unit.h"
 #include "scene_compiler/csv_file.h"
+#include "scene_compiler/document_values.h"
 
 namespace raycube::scene {
 namespace {
 
-namespace fs = std::filesystem;
 using base::Problems;
-using base::Where;
+using products::EnviHeader;
 
-struct HeaderValue {
-  std::string text;
-  int line = 0;
-};
-using Header = std::map<std::string, HeaderValue>;
+/// What the reader of headers said of a key that it left out, or `other`.
+std::string said_of(const std::string& key, const EnviHeader& header, const std::string& other) {
+  for (const std::string& warning : header.warnings)
+    if (warning.find('"' + key + '"') != std::string::npos) return warning;
+  return other;
+}
 
-/// "key = value" lines; a value in braces may span lines.
-Header parse_header(const std::string& text) {
-  Header header;
-  std::istringstream stream(text);
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    const auto equals = line.find('=');
-    if (equals == std::string::npos) continue;
-    HeaderValue value{trimmed(line.substr(equals + 1)), number};
-    const std::string key = lower_case(trimmed(line.substr(0, equals)));
-    if (value.text.starts_with('{')) {
-      while (value.text.find('}') == std::string::npos && std::getline(stream, line)) {
-        value.text += "\n" + line;
-        ++number;
-      }
-      value.text = trimmed(value.text.substr(
-          1, value.text.find('}') == std::string::npos ? std::string::npos : value.text.find('}') - 1));
+/// Whether the header describes spectra of reflectance.
+bool check_header(const EnviHeader& header, const std::string& file, Problems& problems) {
+  const std::size_t before = problems.count();
+  const base::Where where{file, 0, 0, ""};
+  if (header.type().components != 1)
+    problems.add(where, "ENVI data type is not a real number's", std::to_string(header.data_type), "convert to 4 or 5");
+  if (header.bands != 1)
+    problems.add(where, "a spectral library has one band", std::to_string(header.bands),
+                 "make a library of it: a line for each spectrum, a sample for each wavelength");
+  if (header.wavelength.empty())
+    problems.add(where, "ENVI header lacks 'wavelength'", said_of("wavelength", header, ""),
+                 "add it, a number for each sample");
+  else if (header.wavelength_units.empty())
+    problems.add(where, "ENVI header lacks 'wavelength units'", "", "add it, like Micrometers or Nanometers");
+  else if (header.wavelength_um().empty())
+    problems.add(where, "unknown wavelength unit", header.wavelength_units, "write Micrometers or Nanometers");
+  if (header.spectra_names.empty())
+    problems.add(where, "ENVI header has no name for each spectrum", said_of("spectra names", header, ""),
+                 "add 'spectra names', one for each of " + std::to_string(header.lines) + " lines");
+  if (header.reflectance_scale_factor && !(*header.reflectance_scale_factor > 0))
+    problems.add(where, "'reflectance scale factor' is not a positive number",
+                 number_text(*header.reflectance_scale_factor), "give a number > 0");
+  const std::string units = lower_case(header.data_units);
+  for (const char* other : {"radiance", "transmittance", "absorbance", "emissivity"})
+    if (units.find(other) != std::string::npos || products::radiance_of(header.data_units)) {
+      problems.add(where, "a spectral library that is not of reflectance", header.data_units,
+                   "use one of reflectance, or correct 'data units'");
+      break;
     }
-    header.emplace(key, std::move(value));
-  }
-  return header;
+  return problems.count() == before;
 }
 
-std::vector<std::string> split_list(const std::string& text) {
-  std::vector<std::string> out;
-  std::istringstream stream(text);
-  for (std::string item; std::getline(stream, item, ',');) out.push_back(trimmed(item));
-  return out;
+std::optional<double> scale_of(const EnviHeader& header) {
+  if (header.reflectance_scale_factor) return 1 / *header.reflectance_scale_factor;
+  const auto titles = header.other.find("z plot titles");
+  if (says_percent(header.data_units) || (titles != header.other.end() && says_percent(titles->second))) return 0.01;
+  return std::nullopt;
 }
 
-std::string header_of(const std::string& file) {
-  std::error_code ignored;
-  for (const fs::path& candidate : {fs::path(file + ".hdr"), fs::path(file).replace_extension(".hdr")})
-    if (fs::is_regular_file(candidate, ignored)) return candidate.string();
-  return "";
+/// A number for each sample, from a list of as many, or of one for all.
+double of_sample(const std::vector<double>& list, std::size_t sample, double other) {
+  return list.empty() ? other : list.size() == 1 ? list[0] : list[sample];
 }
 
-template <class T>
-double load_as(const char* bytes, bool swap) {
-  std::array<char, sizeof(T)> raw;
-  std::memcpy(raw.data(), bytes, sizeof(T));
-  if (swap) std::reverse(raw.begin(), raw.end());
-  return static_cast<double>(std::bit_cast<T>(raw));
-}
-
-struct DataType {
-  std::size_t bytes;
-  double (*load)(const char*, bool);
-};
-
-std::optional<DataType> data_type(int code) {
-  switch (code) {
-    case 1:
-      return DataType{1, load_as<std::uint8_t>};
-    case 2:
-      return DataType{2, load_as<std::int16_t>};
-    case 3:
-      return DataType{4, load_as<std::int32_t>};
-    case 4:
-      return DataType{4, load_as<float>};
-    case 5:
-      return DataType{8, load_as<double>};
-    case 12:
-      return DataType{2, load_as<std::uint16_t>};
-    case 13:
-      return DataType{4, load_as<std::uint32_t>};
-    case 14:
-      return DataType{8, load_as<std::int64_t>};
-    case 15:
-      return DataType{8, load_as<std::uint64_t>};
-    default:
-      return std::nullopt;
-  }
-}
-
-class HeaderReader {
- public:
-  HeaderReader(std::string file, Header header, Problems& problems)
-      : file_(std::move(file)), header_(std::move(header)), problems_(problems) {}
-
-  Where at(const std::string& key) const {
-    const auto found = header_.find(key);
-    return {file_, found == header_.end() ? 0 : found->second.line, 0, ""};
-  }
-  const HeaderValue* find(const std::string& key) const {
-    const auto found = header_.find(key);
-    return found == header_.end() ? nullptr : &found->second;
-  }
-  /// A non-negative integer; fallback < 0: required.
-  std::int64_t integer(const std::string& key, std::int64_t fallback) {
-    const HeaderValue* value = find(key);
-    if (value == nullptr) {
-      if (fallback < 0)
-        problems_.add({file_, 0, 0, ""}, "ENVI header lacks '" + key + "'", "", "add " + key + " = ...");
-      return std::max<std::int64_t>(fallback, 0);
+EnviLibrary library_of(const products::EnviReader& reader, const std::string& file, Problems& problems) {
+  const EnviHeader& h = reader.header();
+  const auto samples = static_cast<std::size_t>(h.samples), lines = static_cast<std::size_t>(h.lines);
+  EnviLibrary out{h.wavelength_um(), h.spectra_names, {}, scale_of(h)};
+  std::size_t ignored = 0;
+  for (std::size_t line = 0; line < lines; ++line) {
+    std::vector<double>& spectrum = out.spectra.emplace_back(reader.read_lines(static_cast<std::int64_t>(line), 1));
+    for (std::size_t i = 0; i < samples; ++i) {
+      const bool no_data = h.ignores(spectrum[i]);
+      ignored += no_data;
+      if (no_data || (!h.bad_bands.empty() && h.bad_bands[i] == 0))
+        spectrum[i] = NAN;
+      else
+        spectrum[i] = spectrum[i] * of_sample(h.data_gain, i, 1) + of_sample(h.data_offset, i, 0);
     }
-    const auto number = parse_number(value->text);
-    if (!number || *number < 0 || *number > 1e15 ||
-        *number != static_cast<double>(static_cast<std::int64_t>(*number))) {
-      problems_.add(at(key), "'" + key + "' is not a whole number", value->text, "give an integer from 0");
-      return 0;
-    }
-    return static_cast<std::int64_t>(*number);
   }
-
- private:
-  std::string file_;
-  Header header_;
-  Problems& problems_;
-};
-
-std::vector<double> read_wavelengths(HeaderReader& header, std::size_t count, Problems& problems) {
-  const HeaderValue* list = header.find("wavelength");
-  const HeaderValue* units = header.find("wavelength units");
-  if (list == nullptr || units == nullptr) {
-    problems.add(header.at("samples"),
-                 std::string("ENVI header lacks '") + (list == nullptr ? "wavelength" : "wavelength units") + "'", "",
-                 "add it; units are Micrometers or Nanometers");
-    return {};
+  const auto bad = std::count(h.bad_bands.begin(), h.bad_bands.end(), 0);
+  const base::Where where{file, 0, 0, ""};
+  if (bad > 0) problems.tell(where, std::to_string(bad) + " bad bands (bbl) are left out");
+  if (ignored > 0)
+    problems.tell(where, std::to_string(ignored) + " samples of the ignore value " + number_text(*h.data_ignore_value) +
+                             " are left out");
+  if (!h.data_gain.empty() || !h.data_offset.empty())
+    problems.tell(where, "values are the file's numbers by its 'data gain values' and 'data offset values'");
+  if (samples > 1 && std::is_sorted(out.wavelength_um.rbegin(), out.wavelength_um.rend())) {
+    std::reverse(out.wavelength_um.begin(), out.wavelength_um.end());
+    for (std::vector<double>& spectrum : out.spectra) std::reverse(spectrum.begin(), spectrum.end());
   }
-  const std::string unit = lower_case(units->text);
-  double um = 0;
-  if (unit == "micrometers" || unit == "um" || unit == "microns") um = 1;
-  if (unit == "nanometers" || unit == "nm") um = 1e-3;
-  if (um == 0)
-    problems.add(header.at("wavelength units"), "unknown wavelength unit", units->text,
-                 "write Micrometers or Nanometers");
-  std::vector<double> out;
-  const auto items = split_list(list->text);
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const auto number = parse_number(items[i]);
-    Where where = header.at("wavelength");
-    where.element = "wavelength " + std::to_string(i + 1);
-    if (number)
-      out.push_back(*number * um);
-    else
-      problems.add(where, "not a number", "'" + items[i] + "'", "correct the list");
-  }
-  if (items.size() != count)
-    problems.add(header.at("wavelength"), "number of wavelengths differs from 'samples'",
-                 std::to_string(items.size()) + " wavelengths, " + std::to_string(count) + " samples",
-                 "correct the header");
   return out;
 }
 
 }  // namespace
 
-std::optional<EnviLibrary> read_envi_library(const std::string& file, const Where& asked_by, Problems& problems) {
-  const std::string header_file = header_of(file);
-  if (header_file.empty()) {
-    problems.add(asked_by, "spectral library has no header", file,
-                 "put " + fs::path(file).filename().string() + ".hdr beside it");
+std::optional<EnviLibrary> read_envi_library(const std::string& file, const base::Where& asked_by, Problems& problems) {
+  if (!check_readable(file, asked_by, problems)) return std::nullopt;
+  try {
+    const products::EnviReader reader(file);
+    for (const std::string& warning : reader.header().warnings) problems.tell({}, warning);
+    if (!check_header(reader.header(), reader.paths().header, problems)) return std::nullopt;
+    return library_of(reader, file, problems);
+  } catch (const base::Error& error) {
+    if (error.fault() != base::Fault::input) throw;
+    std::istringstream lines(error.what());
+    for (std::string line; std::getline(lines, line);) problems.add({}, line, "", "");
     return std::nullopt;
   }
-  const auto header_text = read_whole_file(header_file, asked_by, problems);
-  const auto data = read_whole_file(file, asked_by, problems);
-  if (!header_text || !data) return std::nullopt;
-  if (!header_text->starts_with("ENVI")) {
-    problems.add({header_file, 1, 0, ""}, "not an ENVI header", header_text->substr(0, 20), "its first line is ENVI");
-    return std::nullopt;
-  }
-  const std::size_t before = problems.count();
-  HeaderReader header(header_file, parse_header(*header_text), problems);
-  const auto samples = static_cast<std::size_t>(header.integer("samples", -1));
-  const auto lines = static_cast<std::size_t>(header.integer("lines", -1));
-  const auto offset = static_cast<std::size_t>(header.integer("header offset", 0));
-  const auto order = header.integer("byte order", 0);
-  const int code = static_cast<int>(header.integer("data type", -1));
-  const auto type = data_type(code);
-  if (!type)
-    problems.add(header.at("data type"), "ENVI data type is not a real number's", std::to_string(code),
-                 "convert to 4 or 5");
-  if (order > 1)
-    problems.add(header.at("byte order"), "byte order is 0 or 1", std::to_string(order), "0 little, 1 big endian");
-  if (problems.count() != before) return std::nullopt;
-  // Sizes come from a text file: compare by division so that no product can overflow.
-  if (samples == 0 || lines == 0 || offset > data->size() || lines > (data->size() - offset) / type->bytes / samples) {
-    problems.add({file, 0, 0, ""}, "data file is shorter than its header says",
-                 std::to_string(data->size()) + " bytes for " + std::to_string(lines) + " spectra of " +
-                     std::to_string(samples) + " samples",
-                 "restore the file or correct " + header_file);
-    return std::nullopt;
-  }
-  EnviLibrary library;
-  library.header_file = header_file;
-  library.wavelength_um = read_wavelengths(header, samples, problems);
-  if (const auto* names = header.find("spectra names")) library.names = split_list(names->text);
-  if (library.names.size() != lines)
-    problems.add(header.at("spectra names"), "number of 'spectra names' differs from 'lines'",
-                 std::to_string(library.names.size()) + " names, " + std::to_string(lines) + " lines",
-                 "name every spectrum");
-  if (const auto* factor = header.find("reflectance scale factor")) {
-    const auto number = parse_number(factor->text);
-    if (number && *number > 0)
-      library.scale_factor = *number;
-    else
-      problems.add(header.at("reflectance scale factor"), "not a positive number", factor->text, "give a number > 0");
-  }
-  if (problems.count() != before) return std::nullopt;
-  const bool swap = (order == 1) != (std::endian::native == std::endian::big);
-  for (std::size_t line = 0; line < lines; ++line) {
-    auto& spectrum = library.spectra.emplace_back(samples);
-    for (std::size_t i = 0; i < samples; ++i)
-      spectrum[i] = type->load(data->data() + offset + (line * samples + i) * type->bytes, swap);
-  }
-  return library;
 }
 
 }  // namespace raycube::scene

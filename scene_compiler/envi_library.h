@@ -10,17 +10,15 @@
 namespace raycube::scene {
 
 struct EnviLibrary {
-  std::string header_file;
-  std::vector<double> wavelength_um;
+  std::vector<double> wavelength_um;  ///< ascending where the file's descend
   std::vector<std::string> names;
-  std::vector<std::vector<double>> spectra;  ///< as stored, unscaled
-  double scale_factor = 1;                   ///< "reflectance scale factor": stored = fraction x this
+  std::vector<std::vector<double>> spectra;  ///< gains and offsets applied; NaN: a bad band, or the ignore value
+  std::optional<double> scale;  ///< on them: by "reflectance scale factor", else 0.01 where the header says percent
 };
 
-/// Reads the library at `file` (the data file); its header is file with .hdr added or put in place of the
-/// extension. Handles byte orders 0 and 1, ENVI data types 1, 2, 3, 4, 5, 12, 13, 14, 15, header offset, and
-/// wavelength units Micrometers, Nanometers (and um, nm). nullopt after reporting what is wrong: missing
-/// keys, unknown unit, truncated data.
+/// Reads the library at `file` (the data file), whose header is file with .hdr added or put in place of the extension,
+/// by the reader of cubes (host/products/envi_reader.h) and all that it applies. nullopt after reporting what is wrong:
+/// missing keys, a unit that is no wavelength's, truncated data, values that are no reflectance.
 std::optional<EnviLibrary> read_envi_library(const std::string& file, const base::Where& asked_by,
                                              base::Problems& problems);
 

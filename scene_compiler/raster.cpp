@@ -8,6 +8,7 @@
 
 #include "host/base/gdal_library.h"
 #include "host/base/gdal_open.h"
+#include "host/base/image_orientation.h"
 #include "host/base/limited_child.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
@@ -158,6 +159,32 @@ void tell_of_scale(const Raster& raster, int first_band, Problems& problems) {
                     (scaled > 1 ? "; so are other bands' by their own" : ""));
 }
 
+/// Pixels as they are seen, where the file says that they stand otherwise and has no place on a map.
+void turn(Raster& raster, Problems& problems) {
+  const int orientation = base::image_orientation(raster.file);
+  if (orientation == 1) return;
+  const Where where{raster.file, 0, 0, ""};
+  if (raster.georeferenced) {
+    problems.tell(where, "its orientation, " + base::orientation_text(orientation) +
+                             ", is not applied: its map coordinates place its rows and columns");
+    return;
+  }
+  problems.tell(where, "it is " + base::orientation_text(orientation) + ", as the file declares");
+  const auto rows = static_cast<std::size_t>(raster.rows), columns = static_cast<std::size_t>(raster.columns);
+  if (orientation >= 5) std::swap(raster.rows, raster.columns);
+  const auto turned = [&](auto& values) {
+    const auto stored = values;
+    std::size_t to = 0;
+    for (std::size_t row = 0; row < static_cast<std::size_t>(raster.rows); ++row)
+      for (std::size_t column = 0; column < static_cast<std::size_t>(raster.columns); ++column) {
+        const base::FilePixel from = base::file_pixel(orientation, row, column, rows, columns);
+        values[to++] = stored[from.row * columns + from.column];
+      }
+  };
+  for (auto& values : raster.bands) turned(values);
+  for (auto& valid : raster.valid) turned(valid);
+}
+
 }  // namespace
 
 double white_of(const Raster& image) {
@@ -238,6 +265,7 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
       if (!valid[k] && std::isfinite(filled[k])) values[k] = filled[k], valid[k] = true;
   }
   tell_of_scale(raster, first_band, problems);
+  turn(raster, problems);
   return raster;
 }
 

@@ -147,6 +147,17 @@ std::optional<SpectrometerFile> sig(const TextFile& text, Problems& problems) {
   return std::nullopt;
 }
 
+/// Of wavelengths: nm, as ASD writes them, unless their column says micrometres.
+double asd_unit_um(const TextFile& text) {
+  for (const std::string& line : text.lines) {
+    const std::string name = lower_case(line.substr(0, line.find_first_of(";\t")));
+    if (!name.starts_with("wavelength")) continue;
+    for (const char* um : {"micromet", "micron", "um", "\u00b5m", "\u03bcm", "\xb5m"})
+      if (name.find(um) != std::string::npos) return 1;
+  }
+  return 1e-3;
+}
+
 std::optional<SpectrometerFile> asd_text(const TextFile& text, Problems& problems) {
   for (const char* other : {"radiance", "transmittance", "irradiance", "raw dn", "absorbance"})
     if (text.has(other, 40)) {
@@ -154,7 +165,7 @@ std::optional<SpectrometerFile> asd_text(const TextFile& text, Problems& problem
                    "export reflectance, or write a CSV");
       return std::nullopt;
     }
-  SpectrometerFile out = columns(text, 1, 1, 1e-3);
+  SpectrometerFile out = columns(text, 1, 1, asd_unit_um(text));
   for (std::size_t i = 1; i < text.lines.size(); ++i)
     if (numbers_of(text.lines[i]).size() > 2) {
       problems.add({text.file, static_cast<int>(i) + 1, 0, ""}, "an ASD text of several samples",

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <span>
 
 #include "scene_compiler/air_wavelength.h"
 #include "scene_compiler/csv_file.h"
+#include "scene_compiler/detector_joins.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/envi_library.h"
 #include "scene_compiler/spectrometer_file.h"
@@ -19,6 +21,7 @@ using base::Where;
 constexpr double kShortestUm = 0.05, kLongestUm = 1000.0;
 constexpr double kNoData = 1e30;  ///< USGS marks what it deleted by -1.23e34
 constexpr double kNoise = 0.05;   ///< spectrometers' values lie so far below 0 by noise
+constexpr std::size_t kFewestOfDetector = 3, kFewestOfTable = 10;  ///< points from one step back to the next
 
 bool is_air(const std::string& asked, const std::string& file_says, const std::string& file, Problems& problems) {
   const std::string medium = lower_case(asked.empty() ? file_says : asked);
@@ -41,14 +44,31 @@ Material material_of(const std::vector<SpectrumPoint>& points, bool has_transmit
   return out;
 }
 
+constexpr const char* kLeftOut = " samples without data left out";  ///< in a material's source, behind their number
+
 bool is_data(double value) { return std::isfinite(value) && std::abs(value) < kNoData; }
 
 /// Points that hold data; said in `source`, how many do not.
 std::vector<SpectrumPoint> with_data(std::vector<SpectrumPoint> points, std::string& note) {
   const std::size_t all = points.size();
   std::erase_if(points, [](const SpectrumPoint& p) { return !is_data(p.reflectance) || !is_data(p.transmittance); });
-  if (points.size() < all) note += ", " + std::to_string(all - points.size()) + " samples without data left out";
+  if (points.size() < all) note += ", " + std::to_string(all - points.size()) + kLeftOut;
   return points;
+}
+
+/// Where wavelengths step back as those of detectors do, one spectrum; else the points as they are.
+std::vector<SpectrumPoint> without_overlaps(std::vector<SpectrumPoint> points, std::size_t fewest,
+                                            const std::string& file, Problems& problems) {
+  auto joined = joined_detectors(points, fewest, file, problems);
+  return joined ? std::move(*joined) : std::move(points);
+}
+
+/// The material's `scale` before what the file declares, which is told where the two are not the same.
+double scale_of(const SpectrumRequest& request, std::optional<double> declared, Problems& problems) {
+  if (request.scale && declared && std::abs(*request.scale - *declared) > 1e-9 * *declared)
+    problems.tell(request.asked_by, "'scale' is taken, " + number_text(*request.scale) + ", and not that of " +
+                                        request.file + ", " + number_text(*declared));
+  return request.scale.value_or(declared.value_or(1.0));
 }
 
 /// Which column of a CSV is the wavelength, and its unit in um; nullopt after reporting.
@@ -65,7 +85,7 @@ std::optional<Material> column_spectrum(const CsvFile& csv, std::pair<std::size_
                                         std::size_t reflectance, std::optional<std::size_t> transmittance,
                                         const SpectrumRequest& request, Problems& problems) {
   const auto factor = [&](std::size_t column) {
-    return request.scale.value_or(says_percent(csv.columns[column]) ? 0.01 : 1.0);
+    return scale_of(request, says_percent(csv.columns[column]) ? std::optional(0.01) : std::nullopt, problems);
   };
   const double scale = factor(reflectance), through = transmittance ? factor(*transmittance) : scale;
   std::vector<SpectrumPoint> points;
@@ -99,6 +119,8 @@ std::optional<Material> column_spectrum(const CsvFile& csv, std::pair<std::size_
   }
   std::string note;
   points = with_data(std::move(points), note);
+  if (!points.empty() && points.front().wavelength_um < points.back().wavelength_um)
+    points = without_overlaps(std::move(points), kFewestOfTable, csv.file, problems);
   const bool sound = check_spectrum(points, csv.file, problems);
   const auto comment = [&](const char* key) {
     const auto found = csv.comments.find(key);
@@ -126,7 +148,7 @@ std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Proble
 /// A line of a library.
 std::optional<Material> library_spectrum(const EnviLibrary& library, std::size_t line, const SpectrumRequest& request,
                                          Problems& problems) {
-  const double scale = request.scale.value_or(1.0 / library.scale_factor);
+  const double scale = scale_of(request, library.scale, problems);
   std::vector<SpectrumPoint> points;
   for (std::size_t i = 0; i < library.wavelength_um.size(); ++i)
     points.push_back({library.wavelength_um[i],
@@ -134,7 +156,7 @@ std::optional<Material> library_spectrum(const EnviLibrary& library, std::size_t
                       0,
                       {request.file, 0, 0, "spectrum '" + library.names[line] + "', sample " + std::to_string(i + 1)}});
   std::string note;
-  points = with_data(std::move(points), note);
+  points = without_overlaps(with_data(std::move(points), note), kFewestOfDetector, request.file, problems);
   if (!check_spectrum(points, request.file, problems)) return std::nullopt;
   Material out = material_of(points, false, is_air(request.medium, "", request.file, problems));
   out.source =
@@ -157,23 +179,37 @@ std::optional<Material> read_library_spectrum(const SpectrumRequest& request, Pr
                    request.spectrum.empty() ? "no 'spectrum' key" : "'" + request.spectrum + "'", "it holds: " + names);
       return std::nullopt;
     }
+    if (const auto again = std::find(found + 1, library->names.end(), request.spectrum);
+        again != library->names.end()) {
+      problems.add(request.asked_by, "two spectra of the library have one name",
+                   "'" + request.spectrum + "' is line " + std::to_string(line + 1) + " and " +
+                       std::to_string(again - library->names.begin() + 1) + " of " + request.file,
+                   "name each once in its header");
+      return std::nullopt;
+    }
   }
   return library_spectrum(*library, line, request, problems);
 }
 
-/// Of a spectrometer's file: sorted, values at one wavelength averaged, noise below 0 as 0.
+/// Of a spectrometer's file: detectors joined, else sorted; values at one wavelength averaged, noise below 0 as 0.
 std::optional<Material> spectrometer_spectrum(const SpectrometerFile& file, const SpectrumRequest& request,
                                               Problems& problems) {
+  const double scale = scale_of(request, file.scale != 1 ? std::optional(file.scale) : std::nullopt, problems);
   std::string note;
   std::vector<SpectrumPoint> points;
   for (std::size_t i = 0; i < file.value.size(); ++i)
     points.push_back({file.wavelength_um[i],
-                      is_data(file.value[i]) ? file.value[i] * request.scale.value_or(file.scale) : NAN,
+                      is_data(file.value[i]) ? file.value[i] * scale : NAN,
                       0,
                       {request.file, file.line[i], 0, ""}});
   points = with_data(std::move(points), note);
-  std::stable_sort(points.begin(), points.end(),
-                   [](const SpectrumPoint& a, const SpectrumPoint& b) { return a.wavelength_um < b.wavelength_um; });
+  if (auto joined = joined_detectors(points, kFewestOfDetector, request.file, problems)) {
+    points = std::move(*joined);
+  } else {
+    std::stable_sort(points.begin(), points.end(),
+                     [](const SpectrumPoint& a, const SpectrumPoint& b) { return a.wavelength_um < b.wavelength_um; });
+    problems.tell({request.file, 0, 0, ""}, "wavelengths go up and down; sorted");
+  }
   std::vector<SpectrumPoint> apart;
   std::size_t noisy = 0;
   for (std::size_t first = 0; first < points.size();) {
@@ -193,6 +229,19 @@ std::optional<Material> spectrometer_spectrum(const SpectrometerFile& file, cons
   return out;
 }
 
+/// Tells that spectra lack samples, once for a file.
+void tell_left_out(const std::string& file, std::span<const Material> spectra, Problems& problems) {
+  const auto lacking = std::count_if(spectra.begin(), spectra.end(), [](const Material& spectrum) {
+    return spectrum.source.find(kLeftOut) != std::string::npos;
+  });
+  if (lacking > 0 && spectra.size() == 1)
+    problems.tell({file, 0, 0, ""},
+                  spectra[0].source.substr(spectra[0].source.rfind(", ", spectra[0].source.find(kLeftOut)) + 2));
+  else if (lacking > 0)
+    problems.tell({file, 0, 0, ""}, std::to_string(lacking) + " of " + std::to_string(spectra.size()) +
+                                        " spectra have samples without data, which are left out");
+}
+
 /// Whether the file is a library; a header in its place is reported.
 enum class FileKind { csv, library, header };
 FileKind kind_of(const SpectrumRequest& request, Problems& problems) {
@@ -202,6 +251,22 @@ FileKind kind_of(const SpectrumRequest& request, Problems& problems) {
   problems.add(request.asked_by, "a header is not the library", request.file,
                "name the .sli file; its .hdr is found beside it");
   return FileKind::header;
+}
+
+std::optional<Material> read_one(const SpectrumRequest& request, Problems& problems) {
+  switch (kind_of(request, problems)) {
+    case FileKind::library:
+      return read_library_spectrum(request, problems);
+    case FileKind::csv: {
+      bool known = false;
+      const auto file = read_spectrometer_file(request.file, request.wavelengths, request.asked_by, known, problems);
+      if (file) return spectrometer_spectrum(*file, request, problems);
+      return known ? std::nullopt : read_csv_spectrum(request, problems);
+    }
+    case FileKind::header:
+      break;
+  }
+  return std::nullopt;
 }
 
 std::vector<Material> csv_family(const SpectrumRequest& request, Problems& problems) {
@@ -221,7 +286,7 @@ std::vector<Material> csv_family(const SpectrumRequest& request, Problems& probl
     auto member = column_spectrum(*csv, *wavelength, column, std::nullopt, request, problems);
     if (!member || problems.count() > before) return {};
     const std::size_t note = member->source.rfind(", ");  // of samples left out
-    const bool noted = note != std::string::npos && member->source.ends_with(" left out");
+    const bool noted = note != std::string::npos && member->source.ends_with(kLeftOut);
     member->source = std::filesystem::path(csv->file).filename().string() + ", column '" + csv->columns[column] + "'" +
                      (noted ? member->source.substr(note) : "");
     out.push_back(std::move(*member));
@@ -281,7 +346,7 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
     else if (i > 0 && p.wavelength_um < points[i - 1].wavelength_um)
       report(p, "wavelengths are not ascending",
              number_text(p.wavelength_um) + " um after " + number_text(points[i - 1].wavelength_um) + " um",
-             "sort the file by wavelength");
+             "sort the file by wavelength; where detectors overlap, leave one of them out");
     if (!(p.reflectance >= 0 && p.reflectance <= 1))
       report(p, "reflectance outside 0 .. 1", number_text(p.reflectance), scaled);
     if (!(p.transmittance >= 0 && p.transmittance <= 1))
@@ -306,19 +371,9 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
 }
 
 std::optional<Material> read_spectrum(const SpectrumRequest& request, Problems& problems) {
-  switch (kind_of(request, problems)) {
-    case FileKind::library:
-      return read_library_spectrum(request, problems);
-    case FileKind::csv: {
-      bool known = false;
-      const auto file = read_spectrometer_file(request.file, request.wavelengths, request.asked_by, known, problems);
-      if (file) return spectrometer_spectrum(*file, request, problems);
-      return known ? std::nullopt : read_csv_spectrum(request, problems);
-    }
-    case FileKind::header:
-      break;
-  }
-  return std::nullopt;
+  std::optional<Material> out = read_one(request, problems);
+  if (out) tell_left_out(request.file, {&*out, 1}, problems);
+  return out;
 }
 
 std::vector<Material> read_family(const SpectrumRequest& request, Problems& problems) {
@@ -333,6 +388,7 @@ std::vector<Material> read_family(const SpectrumRequest& request, Problems& prob
                  "give more, or fewer; one spectrum is `file`");
     return {};
   }
+  tell_left_out(request.file, out, problems);
   return out;
 }
 

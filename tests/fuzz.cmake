@@ -15,8 +15,8 @@ endif()
 set(RAYCUBE_ORDINARY_BUILD ${PROJECT_SOURCE_DIR}/build CACHE PATH "Folder of an ordinary build, whose libraries
   fuzz_readers takes")
 set(readers
-  scene_compiler/band_list scene_compiler/compiled_file scene_compiler/csv_file scene_compiler/document
-    scene_compiler/document_values
+  scene_compiler/band_list scene_compiler/compiled_file scene_compiler/csv_file scene_compiler/detector_joins
+    scene_compiler/document scene_compiler/document_values
   scene_compiler/envi_library scene_compiler/instrument_poses scene_compiler/lidar_platform scene_compiler/lidar_pulse
   scene_compiler/load_simulation scene_compiler/obj_check scene_compiler/spectrum_file scene_compiler/volume_builder
   scene_compiler/volume_spectrum

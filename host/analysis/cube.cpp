@@ -59,7 +59,8 @@ std::vector<std::size_t> bands_of(const BandChoice& choice, const products::Envi
   if (!choice.wavelengths_nm.empty()) {
     const std::vector<double> um = header.wavelength_um();
     if (um.empty())
-      throw Error(Fault::input, path + ": its header has no wavelengths; choose bands by --bands instead");
+      throw Error(Fault::input,
+                  path + ": its header " + header.why_no_wavelengths() + "; choose bands by --bands instead");
     for (const auto& [low, high] : ranges_of(choice.wavelengths_nm, "--wavelengths"))
       for (std::size_t b = 0; b < count; ++b)
         if (good(b) && um[b] * 1e3 >= low && um[b] * 1e3 <= high) out.insert(b);

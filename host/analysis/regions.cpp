@@ -13,6 +13,7 @@
 #include "host/base/gdal_band.h"
 #include "host/base/gdal_library.h"
 #include "host/base/gdal_open.h"
+#include "host/base/image_orientation.h"
 #include "host/base/input_file.h"
 #include "host/base/publication.h"
 
@@ -32,6 +33,11 @@ std::string gdal_reason() {
 base::OpenedByGdal open(const std::string& file, unsigned kinds) {
   base::finish_publication_around(file);
   base::refuse_other_than_plain(file);
+  if (const int orientation = base::image_orientation(file); orientation != 1)
+    throw Error(Fault::input,
+                fmt::format("{}: it is {} by its orientation tag, in which regions are not read; write its "
+                            "rows as they are to be seen and no such tag",
+                            file, base::orientation_text(orientation)));
   return base::open_by_gdal(file, kinds);
 }
 

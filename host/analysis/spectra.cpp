@@ -43,8 +43,8 @@ NamedSpectrum of_file(const std::string& name, const std::string& what, const st
                       const std::string& choice, const Cube& cube) {
   const std::vector<double> center = cube.wavelength_um(), fwhm = cube.fwhm_um();
   if (center.empty())
-    throw Error(Fault::input, fmt::format("{}: its header has no wavelengths, so that {} cannot be put on its bands",
-                                          cube.path(), file));
+    throw Error(Fault::input, fmt::format("{}: its header {}, so that {} cannot be put on its bands", cube.path(),
+                                          cube.header().why_no_wavelengths(), file));
   base::Problems problems;
   const bool table = file.ends_with(".csv");
   scene::SpectrumRequest request{.file = file, .spectrum = table ? "" : choice, .asked_by = {}};

@@ -30,7 +30,7 @@ std::vector<std::string> numbered(int classes) {
 
 int k_means(const KMeansRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   analysis::KMeansOptions options = request.options;
   options.least_change = request.least_change_percent / 100;
   options.seed = invocation.common.seed.value_or(1);
@@ -105,7 +105,7 @@ std::string confusion_text(const analysis::Confusion& confusion) {
 
 int classify(const ClassifyRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   const std::vector<analysis::Region> regions = regions_of(request, cube);
   if (regions.size() < 2)
     throw base::Error(base::Fault::input, "classes are taught by two regions or more: --region NAME=WHAT, --classes");

@@ -47,9 +47,10 @@ nlohmann::ordered_json json_of(const analysis::Shift& shift) {
 int register_cubes(const RegisterRequest& request, Invocation& invocation) {
   if (request.other.empty()) throw base::Error(base::Fault::input, "give the second cube: --other CUBE");
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
-  const analysis::Cube other(
-      request.other, request.other_bands.empty() ? request.bands : analysis::BandChoice{request.other_bands, ""});
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
+  const analysis::Cube other =
+      open_cube(invocation, request.other,
+                request.other_bands.empty() ? request.bands : analysis::BandChoice{request.other_bands, ""});
   AnalysisFolder folder(invocation, request, "register");
   const analysis::Picture first = picture_of(cube, request.factor, ShownPass(services, "first", cube)),
                           second = picture_of(other, request.other_factor, ShownPass(services, "second", other));
@@ -96,7 +97,8 @@ struct ScorecardRequest : AnalyzeRequest {
 int scorecard(const ScorecardRequest& request, Invocation& invocation) {
   if (request.other.empty()) throw base::Error(base::Fault::input, "give the second cube: --other CUBE");
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands), other(request.other, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands),
+                       other = open_cube(invocation, request.other, request.bands);
   analysis::require_same_bands(cube, other);
   AnalysisFolder folder(invocation, request, "scorecard");
   const auto moments = [&](const analysis::Cube& of) {

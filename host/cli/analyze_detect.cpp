@@ -39,7 +39,7 @@ struct Peak {
 
 int detect(const DetectRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   AnalysisFolder folder(invocation, request, "detect");
   const std::vector<std::string> names =
       request.detectors.empty() ? std::vector<std::string>{"ace"} : request.detectors;

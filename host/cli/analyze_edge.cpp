@@ -32,7 +32,7 @@ void write_curves(base::OutputFile& file, const std::string& first, const std::v
 }
 
 int edge(const EdgeRequest& request, Invocation& invocation) {
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   const std::vector<analysis::Region> regions = regions_of(request, cube);
   if (regions.size() != 1)
     throw base::Error(base::Fault::input, fmt::format("an edge is looked for in one region (found {}); give --region "

@@ -54,7 +54,7 @@ nlohmann::ordered_json json_of(const analysis::Cube& cube, const FoundStructure&
 
 int eigen(const EigenRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(request.count), cube.bands());
   AnalysisFolder folder(invocation, request, "eigen");
   const FoundStructure found = structure_of(cube, request, services);
@@ -77,7 +77,7 @@ int eigen(const EigenRequest& request, Invocation& invocation) {
   if (request.other.empty()) {
     for (std::size_t k = 0; k < count; ++k) text += line(k) + "\n";
   } else {
-    const analysis::Cube other(request.other, request.bands);
+    const analysis::Cube other = open_cube(invocation, request.other, request.bands);
     analysis::require_same_bands(cube, other);
     const FoundStructure second = structure_of(other, request, services);
     folder.numbers()["structures"].push_back(json_of(other, second, count));

@@ -20,6 +20,12 @@ void add_cube_options(base::OptionTable& table, AnalyzeRequest& request) {
   table.flag("--no-picture", "Draw no picture", request.no_picture);
 }
 
+analysis::Cube open_cube(const Invocation& invocation, const std::string& path, const analysis::BandChoice& bands) {
+  analysis::Cube cube(path, bands);
+  for (const std::string& warning : cube.header().warnings) invocation.log.warning(warning);
+  return cube;
+}
+
 void add_region_options(base::OptionTable& table, AnalyzeRequest& request, const std::string& what) {
   table.texts("--region", "NAME=WHAT",
               "Region " + what +

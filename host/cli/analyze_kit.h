@@ -27,6 +27,8 @@ struct AnalyzeRequest {
 
 /// Adds CUBE, --bands, --wavelengths and --no-picture.
 void add_cube_options(base::OptionTable& table, AnalyzeRequest& request);
+/// The cube, and a warning of each thing that its header says and that is left out.
+analysis::Cube open_cube(const Invocation& invocation, const std::string& path, const analysis::BandChoice& bands);
 /// Adds --region and --classes; what: "whose statistics are taken".
 void add_region_options(base::OptionTable& table, AnalyzeRequest& request, const std::string& what);
 

@@ -19,11 +19,11 @@ struct LocateRequest : AnalyzeRequest {
   std::string other;
 };
 
-analysis::Cube places_of(const std::string& path) {
+analysis::Cube places_of(const Invocation& invocation, const std::string& path) {
   const auto layers = analysis::place_layers(products::read_envi_header(products::find_envi_pair(path).header), path);
   std::string numbers;
   for (const std::size_t layer : layers) numbers += (numbers.empty() ? "" : ",") + std::to_string(layer + 1);
-  return analysis::Cube(path, {numbers, ""});
+  return open_cube(invocation, path, {numbers, ""});
 }
 
 /// Way on the ground from a pixel to the next of its line; 0: not known.
@@ -56,7 +56,7 @@ struct LinearFit {
 int locate(const LocateRequest& request, Invocation& invocation) {
   if (request.other.empty()) throw base::Error(base::Fault::input, "give the second image's truth: --other CUBE");
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube = places_of(request.cube), other = places_of(request.other);
+  const analysis::Cube cube = places_of(invocation, request.cube), other = places_of(invocation, request.other);
   if (cube.header().band_names[cube.chosen()[0]] != other.header().band_names[other.chosen()[0]])
     throw base::Error(base::Fault::input, cube.path() + " and " + other.path() +
                                               ": one has places in the scene, the other on the map; give truth.img of "

@@ -87,7 +87,7 @@ void write_cube(const analysis::Cube& cube, const analysis::EmpiricalLine& line,
 
 int reflectance(const ReflectanceRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   for (const std::string& text : request.panels)
     if (const auto equals = text.find('=');
         equals != std::string::npos && analysis::is_curve_file(text.substr(equals + 1)))

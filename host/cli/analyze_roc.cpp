@@ -59,7 +59,7 @@ int roc(const RocRequest& request, Invocation& invocation) {
   if (request.truth.empty())
     throw base::Error(base::Fault::input,
                       "a curve needs the truth: --truth FILE@LAYER, as truth.img@abundance_green of a render");
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   const std::vector<double> score = analysis::read_layer(cube.path(), request.layer, cube.samples(), cube.lines()),
                             share = truth_of(request.truth, cube);
   analysis::RocOptions options = request.options;

@@ -23,7 +23,7 @@ std::vector<analysis::Region> regions_or_all(const AnalyzeRequest& request, cons
 
 int statistics(const AnalyzeRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   const std::vector<analysis::Region> regions = regions_or_all(request, cube);
   AnalysisFolder folder(invocation, request, "statistics");
   const auto all = analysis::region_statistics(cube, regions, ShownPass(services, "statistics", cube));

@@ -48,7 +48,7 @@ class Means {
 
 int unmix(const UnmixRequest& request, Invocation& invocation) {
   const run::Services services = services_of(invocation);
-  const analysis::Cube cube(request.cube, request.bands);
+  const analysis::Cube cube = open_cube(invocation, request.cube, request.bands);
   std::vector<analysis::Region> regions = regions_of(request, cube);
   for (const analysis::Region& region : regions)
     if (region.name() == "image")

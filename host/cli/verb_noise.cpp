@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/analysis/cube.h"
 #include "host/base/error.h"
+#include "host/cli/analyze_kit.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
 #include "host/products/radiance_unit.h"
@@ -79,7 +79,8 @@ int noise(const NoiseRequest& request, Invocation& invocation) {
       run::load_job(request.file, invocation.common.seed, services, invocation.common.set);
   const scene::Instrument& instrument = pick(simulation, request.instrument);
   check_fits(products::read_envi_header(products::find_envi_pair(request.cube).header), instrument, request.cube);
-  const analysis::Cube cube(request.cube, {"1:" + std::to_string(instrument.bands.size()), ""});  // bad ones too
+  const analysis::Cube cube =
+      open_cube(invocation, request.cube, {"1:" + std::to_string(instrument.bands.size()), ""});  // bad ones too
   base::OutputSet set(invocation.common.output.empty() ? "noise" : invocation.common.output,
                       if_exists(invocation.common));
   if (invocation.common.overwrite) set.replaces({"measured.img", "measured.hdr", "detector.csv", "bad_elements.csv"});

@@ -9,7 +9,6 @@
 
 #include "host/base/error.h"
 #include "host/base/text.h"
-#include "host/base/units.h"
 
 namespace raycube::products {
 namespace {
@@ -53,10 +52,21 @@ void append_list(std::string& out, const char* key, const Items& items, std::siz
 /// Factor to micrometres of a unit that is proportional to wavelength; 0 when it is not.
 double um_per_unit(const std::string& unit) {
   static const std::map<std::string, double> factors = {
-      {"micrometers", 1},   {"micrometer", 1},    {"microns", 1}, {"micron", 1},        {"um", 1},
-      {"nanometers", 1e-3}, {"nanometer", 1e-3},  {"nm", 1e-3},   {"millimeters", 1e3}, {"mm", 1e3},
-      {"cm", 1e4},          {"centimeters", 1e4}, {"m", 1e6},     {"meters", 1e6},      {"angstroms", 1e-4},
-      {"angstrom", 1e-4}};
+      {"micrometers", 1},   {"micrometer", 1},   {"micrometres", 1},   {"micrometre", 1},    {"microns", 1},
+      {"micron", 1},        {"um", 1},           {"\u00b5m", 1},       {"\u03bcm", 1},       {"\xb5m", 1},
+      {"nanometres", 1e-3}, {"nanometre", 1e-3}, {"nanometers", 1e-3}, {"nanometer", 1e-3},  {"nm", 1e-3},
+      {"millimeters", 1e3}, {"mm", 1e3},         {"cm", 1e4},          {"centimeters", 1e4}, {"m", 1e6},
+      {"meters", 1e6},      {"angstroms", 1e-4}, {"angstrom", 1e-4}};
+  const auto found = factors.find(base::lower_case(unit));
+  return found == factors.end() ? 0 : found->second;
+}
+
+/// Of a unit that goes as one over wavelength: micrometres of one of it; 0 when it does not.
+double um_over_unit(const std::string& unit) {
+  static const std::map<std::string, double> factors = {{"wavenumber", 1e4}, {"wavenumbers", 1e4},
+                                                        {"cm-1", 1e4},       {"cm^-1", 1e4},
+                                                        {"1/cm", 1e4},       {"ghz", 299792.458},  // c, exact
+                                                        {"mhz", 299792458.0}};
   const auto found = factors.find(base::lower_case(unit));
   return found == factors.end() ? 0 : found->second;
 }
@@ -102,29 +112,30 @@ bool EnviHeader::ignores(double stored) const {
 
 std::vector<double> EnviHeader::wavelength_um() const {
   std::vector<double> out;
-  const std::string unit = base::lower_case(wavelength_units);
-  const double factor = um_per_unit(unit);
-  for (const double value : wavelength) {
-    if (factor > 0)
-      out.push_back(value * factor);
-    else if (unit == "wavenumber")
-      out.push_back(base::um_from_wavenumber_per_cm(value));
-    else if (unit == "ghz")
-      out.push_back(299792.458 / value);  // c / f, exact in um for f in GHz
-    else if (unit == "mhz")
-      out.push_back(299792458.0 / value);
-    else
-      return {};
-  }
+  const double factor = um_per_unit(wavelength_units), over = um_over_unit(wavelength_units);
+  if (factor == 0 && over == 0) return {};
+  for (const double value : wavelength) out.push_back(factor > 0 ? value * factor : over / value);
   return out;
 }
 
 std::vector<double> EnviHeader::fwhm_um() const {
-  const double factor = um_per_unit(wavelength_units);
-  if (factor == 0) return {};
+  const double factor = um_per_unit(wavelength_units), over = um_over_unit(wavelength_units);
+  if (factor == 0 && (over == 0 || wavelength.size() != fwhm.size())) return {};
   std::vector<double> out = fwhm;
-  for (double& value : out) value *= factor;
+  for (std::size_t i = 0; i < out.size(); ++i)  // of wavenumbers and frequencies: between the band's ends
+    out[i] =
+        factor > 0 ? out[i] * factor : over / (wavelength[i] - 0.5 * out[i]) - over / (wavelength[i] + 0.5 * out[i]);
   return out;
+}
+
+bool EnviHeader::is_spectral_library() const {
+  return base::lower_case(file_type) == "envi spectral library" || !spectra_names.empty();
+}
+
+std::string EnviHeader::why_no_wavelengths() const {
+  if (wavelength.empty()) return "has no wavelengths";
+  if (wavelength_units.empty()) return "has no 'wavelength units'";
+  return "has wavelengths in no unit of them ('" + wavelength_units + "')";
 }
 
 std::string envi_header_text(const EnviHeader& h) {

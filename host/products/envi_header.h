@@ -39,7 +39,7 @@ struct EnviHeader {
   std::vector<int> bad_bands;            ///< key bbl: 1 good, 0 bad
   std::vector<std::string> band_names, spectra_names;
   std::vector<int> default_bands;              ///< 1-based as in the file: red, green, blue or one
-  std::vector<double> data_gain, data_offset;  ///< physical = stored * gain + offset, one per band
+  std::vector<double> data_gain, data_offset;  ///< physical = stored * gain + offset, one per band (library: sample)
   std::optional<double> data_ignore_value;
   std::optional<double> reflectance_scale_factor;
   std::vector<std::string> map_info;         ///< items; reference pixel (1, 1) is the upper left corner
@@ -55,7 +55,10 @@ struct EnviHeader {
   /// Wavelengths in micrometres; empty when there are none or their unit is no wavelength (Index, Unknown).
   std::vector<double> wavelength_um() const;
   std::vector<double> fwhm_um() const;
-  bool is_spectral_library() const { return file_type == "ENVI Spectral Library"; }
+  /// By its file type, or by its names of spectra.
+  bool is_spectral_library() const;
+  /// Why wavelength_um() is empty, as the end of a sentence on the header: "has no wavelengths".
+  std::string why_no_wavelengths() const;
 };
 
 /// Parses header text; file is for messages. Keys in any case, lists over several lines, CR LF, comments (;). Throws

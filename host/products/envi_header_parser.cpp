@@ -63,7 +63,12 @@ class Parser {
     EnviHeader h;
     dimension("samples", h.samples);
     dimension("lines", h.lines);
-    dimension("bands", h.bands);
+    // Spectral libraries are one band, which some headers leave to be known.
+    const bool library = entries_.contains("spectra names");
+    if (library && !entries_.contains("bands"))
+      h.bands = 1;
+    else
+      dimension("bands", h.bands);
     if (const auto* entry = take("header offset"))
       if (!parse_number(entry->value, h.header_offset))
         problem("header offset", *entry, "must be a whole number of bytes");
@@ -71,7 +76,7 @@ class Parser {
     if (const auto* entry = required("data type"))
       if (!parse_number(entry->value, h.data_type) || !find_envi_type(h.data_type))
         problem("data type", *entry, "must be one of 1, 2, 3, 4, 5, 6, 9, 12, 13, 14, 15");
-    if (const auto* entry = required("interleave")) {
+    if (const auto* entry = library && h.bands == 1 ? take("interleave") : required("interleave")) {
       const std::string name = base::lower_case(trim(entry->value));
       if (name == "bsq" || name == "bil" || name == "bip")
         h.interleave = parse_interleave(name);
@@ -81,6 +86,7 @@ class Parser {
     if (const auto* entry = take("byte order"))
       if (!parse_number(entry->value, h.byte_order) || (h.byte_order != 0 && h.byte_order != 1))
         problem("byte order", *entry, "must be 0 (little endian) or 1 (big endian)");
+    refuse_unless_plain();
     text("description", h.description);
     text("sensor type", h.sensor_type);
     text("data units", h.data_units);
@@ -186,6 +192,19 @@ class Parser {
       problem(key, *entry, fmt::format("must be a whole number from 1 to {}", kLargestDimension));
   }
 
+  /// What changes where numbers lie, which is not read.
+  void refuse_unless_plain() {
+    for (const char* key : {"file compression", "major frame offsets", "minor frame offsets"}) {
+      std::vector<double> values;
+      const auto entry = entries_.find(key);
+      if (entry == entries_.end()) continue;
+      const Entry declared = entry->second;
+      numbers(key, values);
+      if (std::any_of(values.begin(), values.end(), [](double value) { return value != 0; }))
+        problem(key, declared, "is not read but as 0");
+    }
+  }
+
   void text(const std::string& key, std::string& value) {
     if (const auto* entry = take(key)) value = entry->value;
   }
@@ -265,8 +284,11 @@ class Parser {
     check_length("fwhm", h.fwhm, spectral);
     check_length("bbl", h.bad_bands, spectral);
     check_length("band names", h.band_names, bands);
-    check_length("data gain values", h.data_gain, bands);
-    check_length("data offset values", h.data_offset, bands);
+    const bool by_sample = h.is_spectral_library() && h.samples > 1;  // a library's one band has one of these, or many
+    check_length("data gain values", h.data_gain, by_sample && h.data_gain.size() != 1 ? spectral : bands);
+    check_length("data offset values", h.data_offset, by_sample && h.data_offset.size() != 1 ? spectral : bands);
+    if (!h.wavelength.empty() && h.wavelength_um().empty())
+      warnings_.push_back(fmt::format("{}: {}; they are not used", file_, h.why_no_wavelengths()));
     if (h.is_spectral_library()) check_length("spectra names", h.spectra_names, static_cast<std::size_t>(h.lines));
     for (const int band : h.default_bands)
       if (band < 1 || band > h.bands) {

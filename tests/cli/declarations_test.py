@@ -5,11 +5,13 @@ told in another way, whose truth and radiance are known in closed form. usage: d
 
 import base64
 import pathlib
+import struct
 import sys
 import tempfile
 
 import numpy
 
+from analysis_kit import write_cube
 from driver import Program, envi
 
 program = Program(sys.argv[1])
@@ -221,6 +223,52 @@ def pictures(folder):
     check(abs(seen["eight"].max() / seen["eight"].min() - 8) < 1e-4, seen)  # 0.8 beside 0.1
 
 
+def tiff(path, values, orientation=1, place=None):
+    """An uncompressed picture of eight bits with an orientation, and a place on a map: (easting, northing) of its
+    corner and the side of its pixels."""
+    rows, columns = values.shape
+    doubles = [place[2], place[2], 0.0, 0.0, 0.0, 0.0, place[0], place[1], 0.0] if place else []
+    keys = [1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32632] if place else []
+    entries = [(256, 3, 1, columns), (257, 3, 1, rows), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1)]
+    entries += [(273, 4, 1, 8), (274, 3, 1, orientation), (277, 3, 1, 1), (278, 3, 1, rows), (279, 4, 1, values.size)]
+    at = 8 + values.size + values.size % 2
+    if place:
+        entries += [(33550, 12, 3, at), (33922, 12, 6, at + 24), (34735, 3, len(keys), at + 72)]
+    extra = struct.pack(f"<{len(doubles)}d{len(keys)}H", *doubles, *keys)
+    directory = struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", *entry) for entry in entries)
+    pixels = values.astype("u1").tobytes() + b"\0" * (values.size % 2)
+    path.write_bytes(struct.pack("<2sHI", b"II", 42, at + len(extra)) + pixels + extra + directory + b"\0" * 4)
+
+
+def orientations(folder):
+    """A picture is seen as its tag says, not as its rows stand; what lies on a map stays there, and that is told."""
+    (folder / "family.csv").write_text("wavelength_nm,a,b,c\n400,0.1,0.4,0.8\n900,0.1,0.4,0.8\n")
+    seen = numpy.array([[26, 102, 204], [204, 204, 26]])  # as it is to be looked at
+    stored = {1: seen, 2: seen[:, ::-1], 3: seen[::-1, ::-1], 6: numpy.rot90(seen), 8: numpy.rot90(seen, -1)}
+    light = {}
+    for orientation, values in stored.items():
+        tiff(folder / "picture.tif", values, orientation)
+        file = folder / "texture.toml"
+        file.write_text(
+            HEAD.format(origin="height_m = 0.0")
+            + '[[material]]\nname = "m"\nfamily = "family.csv"\ntexture = { image = "picture.tif", texel_m = 1.0, '
+            'choose = "nearest", band_nm = [540.0, 560.0] }\n[[plane]]\nmaterial = "m"\nsize_m = [6.0, 6.0]\n'
+            + CAMERA.replace("10000.0", "100.0").replace("0.5", "10.0").replace("= 4", "= 6")
+        )
+        light[orientation] = rendered(folder, file)[1][:, :, 0]
+        check((light[orientation] == light[1]).all(), orientation, light)
+        told(file, *(["picture.tif", f"(orientation {orientation}), as the file declares"] if orientation > 1 else []))
+    check(abs(light[1].max() / light[1].min() - 8) < 1e-4, light[1])
+    ramp = numpy.arange(SIZE * SIZE).reshape(SIZE, SIZE)
+    heights = {}
+    for orientation in (1, 3):
+        tiff(folder / "dem.tif", ramp, orientation, (499975, 5400025, 10))
+        file = terrain(folder, "dem.tif")
+        heights[orientation] = rendered(folder, file)[0]
+        told(file, *(["dem.tif", "(orientation 3), is not applied"] if orientation > 1 else []))
+    check((heights[1] == heights[3]).all(), heights)
+
+
 def pyramid(up, unit):
     """Collada; base of 16 x 12 m at z = 0, apex 5 m above (3, -2), once turned to z up and scaled."""
     turn = {"Z_UP": lambda x, y, z: (x, y, z), "Y_UP": lambda x, y, z: (x, z, -y), "X_UP": lambda x, y, z: (z, -x, -y)}
@@ -367,7 +415,30 @@ def spectra(folder):
     told(scene, "two columns have one name", status=2)
 
 
-for case in (heights, voids, systems, pictures, meshes, spectra):
+def cubes(folder):
+    """What analyses leave out of a header is told; what moves a file's numbers and is not read is refused."""
+    light = numpy.random.default_rng(1).random((4, 5, 3))
+    for header, says, status in (
+        ({"bbl": "{1, 0}"}, '"bbl" has 2 values, not 3; it is ignored', 0),
+        ({"data_gain_values": "{1, 2}"}, '"data gain values" has 2 values, not 3; it is ignored', 0),
+        ({"wavelength": "{400, 500, 600}"}, "has no 'wavelength units'; they are not used", 0),
+        ({"wavelength": "{4, 5, 6}", "wavelength_units": "Index"}, "in no unit of them ('Index')", 0),
+        ({"file_compression": 1}, '"file compression" is not read', 2),
+        ({"major_frame_offsets": "{8, 8}"}, '"major frame offsets" is not read', 2),
+    ):
+        cube = write_cube(folder / "cube.img", light, **header)
+        done = run("analyze", "statistics", cube, "-o", folder / "out", "--overwrite", "--no-picture", status=status)
+        check(says in done.stderr, says, done.stderr)
+    cube = write_cube(folder / "cube.img", light, wavelength="{400, 500, 600}", wavelength_units="Unknown")
+    done = run("analyze", "statistics", cube, "--wavelengths", "400:500", "-o", folder / "out", status=2)
+    check("in no unit of them ('Unknown')" in done.stderr, done.stderr)
+    mask = numpy.ones((4, 5))
+    tiff(folder / "mask.tif", mask, 3)
+    done = run("analyze", "statistics", cube, "--region", f"r={folder / 'mask.tif'}", "-o", folder / "out", status=2)
+    check("(orientation 3)" in done.stderr, done.stderr)
+
+
+for case in (heights, voids, systems, pictures, orientations, meshes, spectra, cubes):
     with tempfile.TemporaryDirectory() as made:
         case(pathlib.Path(made))
 print(f"declarations: {program.checks} checks")
