@@ -98,9 +98,12 @@ bool has_bands(const Opened& opened, int first_band, int count) {
 /// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for what the file
 /// declares, and by pieces GDAL's word (empty: it could be read), values and what is known of each.
 void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
-  const auto [dataset, wrong] = base::open_by_gdal(file);
-  parcel.text(wrong);
+  const base::OpenedByGdal found = base::open_by_gdal(file);
+  const GdalDataset& dataset = found.set;
+  parcel.text(found.wrong);
   if (!dataset) return;
+  parcel.value(found.told.size());
+  for (const std::string& told : found.told) parcel.text(told);
   const QuietGdal quiet;
   Opened opened;
   opened.columns = gdal().GDALGetRasterXSize(dataset.get()), opened.rows = gdal().GDALGetRasterYSize(dataset.get());
@@ -213,6 +216,8 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
                  "correct or convert the file; " + asked_by.text() + " names it");
     return std::nullopt;
   }
+  for (auto told = read.value<std::size_t>(); told > 0 && told < 1000; --told)
+    problems.tell({file, 0, 0, ""}, read.text());
   const auto opened = read.value<Opened>();
   Raster raster;
   raster.file = file;

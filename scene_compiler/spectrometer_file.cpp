@@ -35,6 +35,11 @@ std::vector<double> numbers_of(std::string line) {
   return out;
 }
 
+/// Whether a comma in a line of numbers is a decimal one, as numbers_of() takes it.
+bool has_decimal_comma(const std::string& line) {
+  return line.find(',') != std::string::npos && line.find_first_of("\t; ") != std::string::npos;
+}
+
 struct TextFile {
   std::string file;
   std::vector<std::string> lines;
@@ -73,7 +78,11 @@ SpectrometerFile columns(const TextFile& text, std::size_t first, std::size_t co
   SpectrometerFile out;
   for (std::size_t i = first; i < text.lines.size(); ++i) {
     const std::vector<double> numbers = numbers_of(text.lines[i]);
-    if (numbers.size() <= column) continue;
+    if (numbers.size() <= column) {
+      if (!text.lines[i].empty() && !out.value.empty()) out.unread.push_back(static_cast<int>(i) + 1);
+      continue;
+    }
+    out.decimal_commas += has_decimal_comma(text.lines[i]);
     out.wavelength_um.push_back(numbers[0] * unit), out.value.push_back(numbers[column]);
     out.line.push_back(static_cast<int>(i) + 1);
   }
@@ -97,6 +106,13 @@ std::optional<SpectrometerFile> ecostress(const TextFile& text, Problems& proble
   for (std::size_t i = 0; i < std::min<std::size_t>(200, text.lines.size()); ++i)
     if (numbers_of(text.lines[i]).size() < 2 && text.lines[i].find(':') != std::string::npos) last_key = i;
   SpectrometerFile out = columns(text, last_key + 1, 1, um ? 1 : 1e-3);
+  const auto declared = parse_number(text.value("number of x values"));
+  if (declared && *declared != static_cast<double>(out.value.size())) {
+    problems.add({text.file, 0, 0, "Number of X Values"}, "the file holds another number of rows",
+                 std::to_string(out.value.size()) + " for " + text.value("number of x values"),
+                 "restore the file, or correct its header");
+    return std::nullopt;
+  }
   out.kind = "ECOSTRESS", out.name = text.value("name");
   if (says_percent(y)) out.scale = 0.01;
   return out;

@@ -16,6 +16,8 @@ struct SpectrometerFile {
   std::vector<double> wavelength_um, value;  ///< value: times `scale` a reflectance
   std::vector<int> line;                     ///< of each in the file; 0: none, it is binary
   double scale = 1;                          ///< 0.01: percent
+  std::size_t decimal_commas = 0;            ///< lines whose numbers have some
+  std::vector<int> unread;                   ///< lines behind the first row that are none
 };
 
 /// Kinds are told by what stands in them, whatever their names:

@@ -194,6 +194,15 @@ std::optional<Material> read_library_spectrum(const SpectrumRequest& request, Pr
 /// Of a spectrometer's file: detectors joined, else sorted; values at one wavelength averaged, noise below 0 as 0.
 std::optional<Material> spectrometer_spectrum(const SpectrometerFile& file, const SpectrumRequest& request,
                                               Problems& problems) {
+  if (!file.unread.empty()) {
+    problems.add({request.file, file.unread[0], 0, ""}, "not a row of numbers",
+                 file.unread.size() > 1 ? "and " + std::to_string(file.unread.size() - 1) + " more" : "",
+                 "correct or remove the line");
+    return std::nullopt;
+  }
+  if (file.decimal_commas > 0)
+    problems.tell({request.file, 0, 0, ""},
+                  std::to_string(file.decimal_commas) + " rows with decimal commas read as such");
   const double scale = scale_of(request, file.scale != 1 ? std::optional(file.scale) : std::nullopt, problems);
   std::string note;
   std::vector<SpectrumPoint> points;

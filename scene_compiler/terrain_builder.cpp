@@ -252,6 +252,7 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
   if (!pixel) return out;
   classes.resize(out.size());
   std::map<double, std::pair<std::size_t, std::size_t>> missing;  // value: cells, first pixel
+  std::size_t without_data = 0;
   for (std::size_t cell = 0; cell < out.size(); ++cell) {
     const double value = map->bands[0][(*pixel)[cell]];
     const auto found =
@@ -263,7 +264,12 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
     }
     out[cell] = found->second;
     classes[cell] = static_cast<int>(value);
+    without_data += !map->valid[0][(*pixel)[cell]];
   }
+  if (without_data > 0)
+    problems.tell({map->file, 0, 0, ""}, std::to_string(without_data) +
+                                             " cells lie where the class map declares no data; they have the material "
+                                             "that is named for its number there");
   std::size_t reports = 0;
   for (const auto& [value, entry] : missing)
     if (++reports <= 20)
@@ -299,7 +305,8 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
     std::vector<std::pair<std::uint32_t, double>> mix;
     double sum = 0, worst = 0;
     for (const auto& [band, surface] : known) {
-      const double f = map->bands[static_cast<std::size_t>(band - 1)][(*pixel)[cell]];
+      const auto of_band = static_cast<std::size_t>(band - 1);
+      const double f = map->valid[of_band][(*pixel)[cell]] ? map->bands[of_band][(*pixel)[cell]] : NAN;
       if (!(f >= 0 && f <= 1)) worst = f;
       sum += f;
       if (f > 0) mix.emplace_back(surface, f);
@@ -308,7 +315,8 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
     if (!(worst == 0) || !(std::abs(sum - 1) <= 1e-3)) {
       ++reports;
       if (!(worst == 0))
-        problems.add(place, "fraction outside 0 .. 1", number_text(worst), "correct the mixture map");
+        problems.add(place, std::isnan(worst) ? "fraction without data" : "fraction outside 0 .. 1", number_text(worst),
+                     "correct the mixture map");
       else
         problems.add(place, "fractions do not sum to 1 within 1e-3", number_text(sum), "normalise the mixture map");
       continue;

@@ -170,6 +170,14 @@ std::optional<Raster> read_image(const Record& record, int bands, Problems& prob
                  "fill it (gdal_fillnodata.py)");
     return std::nullopt;
   }
+  if (image->georeferenced && image->transform[5] > 0) {  // rows from south to north
+    problems.tell({image->file, 0, 0, ""}, "its first row is the southern one, as its map coordinates say");
+    for (std::vector<double>& values : image->bands)
+      for (int row = 0; row < image->rows / 2; ++row)
+        std::swap_ranges(values.begin() + std::ptrdiff_t{row} * image->columns,
+                         values.begin() + std::ptrdiff_t{row + 1} * image->columns,
+                         values.end() - std::ptrdiff_t{row + 1} * image->columns);
+  }
   return image;
 }
 

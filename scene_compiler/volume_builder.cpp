@@ -88,10 +88,15 @@ void read_raster_values(const Record& record, Volume& out, Problems& problems) {
                  std::to_string(raster->columns) + " x " + std::to_string(raster->rows), "use larger cells");
     return;
   }
+  if (!raster->system.wkt.empty())
+    problems.tell({raster->file, 0, 0, ""},
+                  "its map coordinates do not place the volume; position_m and size_m of the scene do");
+  const bool south_first = raster->georeferenced && raster->transform[5] > 0;
   std::size_t bad = 0;
   for (std::size_t band = 0; band < raster->bands.size(); ++band)
-    for (int row = raster->rows - 1; row >= 0; --row)
+    for (int i = raster->rows - 1; i >= 0; --i)
       for (int column = 0; column < raster->columns; ++column) {
+        const int row = south_first ? raster->rows - 1 - i : i;
         const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(raster->columns) +
                         static_cast<std::size_t>(column);
         if (!raster->valid[band][at] || raster->bands[band][at] < 0) ++bad;

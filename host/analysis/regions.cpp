@@ -257,7 +257,7 @@ Region read_region(const std::string& text, const Cube& cube) {
   if (parse_rectangle(what, ends)) return rectangle(name, text, ends, cube);
   const auto at = std::filesystem::exists(what) ? std::string::npos : what.rfind('@');
   const std::string file = what.substr(0, at), condition = at == std::string::npos ? "" : what.substr(at + 1);
-  const auto [set, wrong] =
+  const auto [set, wrong, refused, told] =
       open(is_envi(file) ? products::find_envi_pair(file).data : file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
   if (!set && !std::filesystem::exists(file)) refuse(text, file + " is no X0:X1,Y0:Y1, and no such file is there");
   if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads (" + wrong + ")");
@@ -270,13 +270,13 @@ Region read_region(const std::string& text, const Cube& cube) {
 std::vector<double> read_layer(const std::string& file, const std::string& layer, std::int64_t samples,
                                std::int64_t lines) {
   if (is_envi(file)) return envi_layer(file, layer, samples, lines);
-  const auto [set, wrong] = open(file, GDAL_OF_RASTER);
+  const auto [set, wrong, refused, told] = open(file, GDAL_OF_RASTER);
   if (!set) throw Error(Fault::input, file + ": is no raster that can be read (" + wrong + ")");
   return layer_of(set.get(), file, layer, samples, lines);
 }
 
 std::vector<Region> read_classes(const std::string& file, const Cube& cube) {
-  const auto [set, wrong] = open(file, GDAL_OF_RASTER);
+  const auto [set, wrong, refused, told] = open(file, GDAL_OF_RASTER);
   if (!set) throw Error(Fault::input, file + ": is no raster that can be read (" + wrong + ")");
   const std::vector<double> value = layer_of(set.get(), file, "", cube.samples(), cube.lines());
   std::map<double, bool> values;

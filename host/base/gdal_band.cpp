@@ -4,6 +4,8 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "host/base/gdal_library.h"
@@ -40,6 +42,60 @@ double most_of(GDALRasterBandH band) {
   return used > 0 && used < 32 ? std::min(most, std::ldexp(1.0, used) - 1) : most;
 }
 
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r\n");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+/// What stands behind a key in a small text beside the raster: "UNIT = ft", "Zunits FEET"; empty: nothing.
+std::string beside(GDALDatasetH dataset, const char* extension, const std::string& key) {
+  const std::filesystem::path file = gdal().GDALGetDescription(dataset);
+  std::ifstream in(std::filesystem::path(file).replace_extension(extension));
+  std::string line;
+  for (int read = 0; read < 1000 && std::getline(in, line); ++read) {
+    const std::string start = trimmed(line);
+    if (start.size() <= key.size() ||
+        !(start[key.size()] == ' ' || start[key.size()] == '\t' || start[key.size()] == '='))
+      continue;
+    bool same = true;
+    for (std::size_t i = 0; i < key.size(); ++i)
+      same = same && std::toupper(static_cast<unsigned char>(start[i])) == key[i];
+    if (same)
+      return trimmed(start.substr(start.find_first_not_of(" \t=", key.size()) == std::string::npos
+                                      ? start.size()
+                                      : start.find_first_not_of(" \t=", key.size())));
+  }
+  return "";
+}
+
+/// What formats declare and GDAL's drivers do not hand on: unit and scale factor of ENVI and of SAGA, and the unit of
+/// heights in ESRI's old projection files.
+void add_what_drivers_leave_out(GDALRasterBandH band, GdalBand& out) {
+  const GDALDatasetH dataset = gdal().GDALGetBandDataset(band);
+  const GDALDriverH driver = dataset ? gdal().GDALGetDatasetDriver(dataset) : nullptr;
+  const std::string name = driver ? gdal().GDALGetDriverShortName(driver) : "";
+  std::string unit;
+  if (name == "ENVI") {
+    const auto said = [&](const char* key) {
+      const char* const value = gdal().GDALGetMetadataItem(dataset, key, "ENVI");
+      return std::string(value ? value : "");
+    };
+    unit = said("data_units");
+    const double factor = std::atof(said("reflectance_scale_factor").c_str());
+    if (factor > 0) out.scale /= factor, out.offset /= factor;
+  } else if (name == "SAGA") {
+    unit = beside(dataset, ".sgrd", "UNIT");
+    const double factor = std::atof(beside(dataset, ".sgrd", "Z_FACTOR").c_str());
+    if (factor > 0) out.scale *= factor, out.offset *= factor;
+  } else if (name == "AAIGrid" || name == "EHdr") {
+    unit = beside(dataset, ".prj", "ZUNITS");
+    for (char& c : unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  if (out.unit.empty()) out.unit = unit;
+  for (const char* none : {"unspecified", "unknown", "none", "no", "undefined"})
+    if (out.unit == none) out.unit.clear();
+}
+
 }  // namespace
 
 GdalBand describe_band(GDALRasterBandH band) {
@@ -49,6 +105,7 @@ GdalBand describe_band(GDALRasterBandH band) {
   out.scale = known && std::isfinite(scale) ? scale : 1;
   out.offset = std::isfinite(offset) ? offset : 0;
   if (const char* unit = gdal().GDALGetRasterUnitType(band)) out.unit = unit;
+  add_what_drivers_leave_out(band, out);
   out.most = most_of(band);
   out.palette = gdal().GDALGetRasterColorTable(band) != nullptr;
   int has_no_data = 0;

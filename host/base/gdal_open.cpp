@@ -8,10 +8,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
+#include <sstream>
+
+#include "host/base/gdal_band.h"
 
 namespace raycube::base {
 namespace {
+
+/// open_by_gdal(), of a source in a virtual raster in a virtual raster ...
+OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth);
 
 /// Of a raw file that ends before its header says: what is wrong; else empty. GDAL reads what is missing as zeros (with
 /// RAW_CHECK_FILE_SIZE it refuses files of less than half their size alone).
@@ -46,29 +51,43 @@ bool is_number(std::string word) {
   return (error == std::errc() || error == std::errc::result_out_of_range) && end == word.data() + word.size();
 }
 
-/// Of an ESRI text grid whose words are not the numbers that its header counts: what is wrong; else empty. GDAL reads
-/// words as 0, and goes on with the next number where one is missing.
-std::string miscounted_grid(GDALDatasetH dataset, const std::string& file) {
-  if (std::string(gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset))) != "AAIGrid") return "";
-  std::ifstream in(file);
-  std::string word, value;
-  // Keys and their values, until a line begins with a number.
+std::string lower(std::string word) {
+  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+  return word;
+}
+
+/// Leaves a text grid at its first number: behind keys and their values, or behind Surfer's head of nine words.
+void pass_head(std::istream& in, const std::string& driver) {
+  std::string word;
+  if (driver == "GSAG") {
+    for (int i = 0; i < 9; ++i) in >> word;
+    return;
+  }
   while (in >> std::ws && !in.eof() && !std::isdigit(in.peek()) && in.peek() != '-' && in.peek() != '+' &&
          in.peek() != '.') {
     const auto at = in.tellg();
     in >> word;
-    std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
-    const bool key = word == "ncols" || word == "nrows" || word == "cellsize" || word == "dx" || word == "dy" ||
-                     word == "nodata_value" || word.starts_with("xll") || word.starts_with("yll");
-    if (!key) {
+    const std::string key = lower(word);
+    const bool known = key == "ncols" || key == "nrows" || key == "cellsize" || key == "dx" || key == "dy" ||
+                       key == "nodata_value" || key.starts_with("xll") || key.starts_with("yll") || key.ends_with(":");
+    if (!known) {
       in.seekg(at);
-      break;
+      return;
     }
-    in >> value;
+    in >> word;
   }
+}
+
+/// Of a text grid whose words are not the numbers that its header counts: what is wrong; else empty. GDAL reads words
+/// as 0, and goes on with the next number where one is missing.
+std::string miscounted_grid(GDALDatasetH dataset, const std::string& file) {
+  const std::string driver = gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset));
+  if (driver != "AAIGrid" && driver != "GRASSASCIIGrid" && driver != "GSAG") return "";
+  std::ifstream in(file);
+  pass_head(in, driver);
   const double needed = double(gdal().GDALGetRasterXSize(dataset)) * gdal().GDALGetRasterYSize(dataset);
   double count = 0;
-  for (; in >> word; ++count)
+  for (std::string word; in >> word; ++count)
     if (!is_number(word)) {
       const auto columns = static_cast<double>(gdal().GDALGetRasterXSize(dataset));
       return "'" + word.substr(0, 40) + "' is no number (row " +
@@ -80,12 +99,62 @@ std::string miscounted_grid(GDALDatasetH dataset, const std::string& file) {
          std::to_string(static_cast<std::int64_t>(needed));
 }
 
-}  // namespace
+/// What any band of a raster declares of its numbers.
+struct Declared {
+  bool scaled = false, unit = false, gaps = false;
+};
+Declared declared_by(GDALDatasetH dataset) {
+  Declared out;
+  for (int b = 1; b <= gdal().GDALGetRasterCount(dataset); ++b) {
+    const GdalBand band = describe_band(gdal().GDALGetRasterBand(dataset, b));
+    out.scaled = out.scaled || band.scaled();
+    out.unit = out.unit || !band.unit.empty();
+    out.gaps = out.gaps || !band.mask.empty();
+  }
+  return out;
+}
 
-OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds) {
+/// Looks at the files that a virtual raster is made of: GDAL takes the numbers of each as they stand.
+void look_at_sources(OpenedByGdal& opened, const std::string& file, int depth) {
+  constexpr int kDeepest = 8;
+  if (depth > kDeepest ||
+      std::string(gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(opened.set.get()))) != "VRT")
+    return;
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  const auto says = [&](const char* key) { return text.str().find(key) != std::string::npos; };
+  const Declared here = declared_by(opened.set.get());
+  char** const files = gdal().GDALGetFileList(opened.set.get());
+  for (char** each = files; each && *each && opened.wrong.empty(); ++each) {
+    const std::string source = *each;
+    std::error_code failed;
+    if (std::filesystem::equivalent(source, file, failed) || source.ends_with(".xml")) continue;
+    OpenedByGdal part = open_at_depth(source, GDAL_OF_RASTER, depth + 1);
+    if (!part.set && std::filesystem::exists(source, failed) && part.refused) {
+      opened.wrong = "its source " + source + ": " + part.wrong;
+      break;
+    }
+    if (!part.set) continue;
+    const Declared there = declared_by(part.set.get());
+    std::string left;
+    const auto leave = [&](bool is, const char* what) {
+      if (is) left += (left.empty() ? "" : " and ") + std::string(what);
+    };
+    leave(there.scaled && !here.scaled && !says("<ScaleRatio>"), "a scale or an offset");
+    leave(there.unit && !here.unit, "a unit");
+    leave(there.gaps && !here.gaps && !says("<NODATA>") && !says("<UseMaskBand>"), "pixels without data");
+    if (!left.empty())
+      opened.told.push_back("its source " + source + " declares " + left +
+                            ", which the virtual raster leaves out; make it by gdalbuildvrt, or name the source");
+    opened.told.insert(opened.told.end(), part.told.begin(), part.told.end());
+  }
+  gdal().CSLDestroy(files);
+}
+
+OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth) {
   const QuietGdal quiet;
-  OpenedByGdal out{GdalDataset(gdal().GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr)),
-                   ""};
+  OpenedByGdal out;
+  out.set = GdalDataset(gdal().GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
   if (!out.set) {
     out.wrong = gdal_message();
     if (out.wrong.empty()) out.wrong = "no message";
@@ -94,8 +163,13 @@ OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds) {
   if (gdal().GDALGetRasterCount(out.set.get()) == 0) return out;
   out.wrong = cut_short(out.set.get(), file);
   if (out.wrong.empty()) out.wrong = miscounted_grid(out.set.get(), file);
-  if (!out.wrong.empty()) out.set.reset();
+  if (out.wrong.empty()) look_at_sources(out, file, depth);
+  if (!out.wrong.empty()) out.set.reset(), out.refused = true;
   return out;
 }
+
+}  // namespace
+
+OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds) { return open_at_depth(file, kinds, 0); }
 
 }  // namespace raycube::base

@@ -2,19 +2,22 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/base/gdal_library.h"
 
 namespace raycube::base {
 
 struct OpenedByGdal {
-  GdalDataset set;    ///< none: it cannot be used
-  std::string wrong;  ///< why not, by us or by GDAL; empty where it can
+  GdalDataset set;                ///< none: it cannot be used
+  std::string wrong;              ///< why not, by us or by GDAL; empty where it can
+  bool refused = false;           ///< by us: GDAL opened it
+  std::vector<std::string> told;  ///< what sources of a virtual raster declare and it leaves out
 };
 
 /// Opens a file to read. kinds: GDAL_OF_RASTER, GDAL_OF_VECTOR or both. Refused although GDAL reads them, as zeros: raw
-/// files that end before their header says, and ESRI text grids with words, or with more or fewer numbers than their
-/// header counts.
+/// files that end before their header says, and text grids (ESRI, GRASS, Surfer) with words, or with more or fewer
+/// numbers than their header counts; a virtual raster where one of its sources is refused.
 OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds = GDAL_OF_RASTER);
 
 }  // namespace raycube::base

@@ -168,7 +168,7 @@ BandStatistics statistics_of(GDALRasterBandH band, const std::string& path,
 
 Picture read_raster_picture(const std::string& path, bool header_only,
                             const std::function<void(std::int64_t)>& after_lines) {
-  const auto [set, wrong] = base::open_by_gdal(path);
+  const auto [set, wrong, refused, told] = base::open_by_gdal(path);
   if (!set) throw Error(Fault::input, path + ": GDAL cannot read it: " + wrong);
   const base::QuietGdal quiet;
   Picture out;

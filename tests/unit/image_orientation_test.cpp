@@ -1,5 +1,5 @@
-// Orientation of pictures: the tag where four kinds of file have it, and what it means. Oracle: TIFF 6.0, page 36, which
-// says on which side the file's first row and first column are seen.
+// Orientation of pictures: the tag where four kinds of file have it, and what it means. Oracle: TIFF 6.0, page 36,
+// which says on which side the file's first row and first column are seen.
 #include "host/base/image_orientation.h"
 
 #include <doctest/doctest.h>

@@ -165,6 +165,13 @@ TEST_CASE("detectors that overlap are joined in the middle of what both see, and
              "wavelengths are not ascending");
   CHECK_SAYS(library.text("x.txt", "Wavelength\tleaf.asd\n400\t0.1\n600\t0.1\n500\t0.1\n700\t0.1\n").told,
              "wavelengths go up and down; sorted");
+  // Rows are counted, those that are none are refused, and decimal commas are told once.
+  const std::string eco = "Name: x\nX Units: Wavelength (nanometers)\nY Units: Reflectance (percent)\n";
+  CHECK_SAYS(library.text("y.txt", eco + "Number of X Values: 4\n\n400 10\n500 10\n600 10\n").refused,
+             "Number of X Values: the file holds another number of rows (found 3 for 4)");
+  CHECK_SAYS(library.text("y.txt", eco + "\n400 10\n500 wet\n600 10\n").refused, "y.txt:6: not a row of numbers");
+  CHECK_SAYS(library.text("x.txt", "Wavelength\tleaf.asd\n350\t0,25\n351\t0,35\n").told,
+             "2 rows with decimal commas read as such");
   // Of a text its column's unit.
   for (const char* unit : {"Wavelength (um)", "Wavelength [\u00b5m]", "Wavelength (microns)"})
     CHECK(library.text("u.txt", std::string(unit) + "\tleaf\n0.4\t0.2\n0.5\t0.2\n")

@@ -167,6 +167,16 @@ TEST_CASE("volumes: a raster gives a layer per band from below, its last row fir
           .scene.volumes.at(0);
   CHECK(grid.cells == std::array<int, 3>{3, 2, 1});
   CHECK(grid.values == std::vector<float>{4, 5, 6, 1, 2, 3});
+  // Where its map coordinates say that the first row is the southern one, that is in the -y end.
+  folder.write("s.vrt",
+               "<VRTDataset rasterXSize=\"3\" rasterYSize=\"2\"><SRS>EPSG:32632</SRS><GeoTransform>0, 1, 0, 0, 0, "
+               "1</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename "
+               "relativeToVRT=\"1\">g.asc</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>"
+               "</VRTDataset>");
+  const auto south =
+      load(folder, volume("shape = \"grid\"\nsize_m = [3, 2, 1]\nvalues = \"s.vrt\"\n" + std::string(kDust)));
+  CHECK(south.scene.volumes.at(0).values == std::vector<float>{1, 2, 3, 4, 5, 6});
+  CHECK(south.notices.size() == 1);
 }
 
 TEST_CASE("L-09: a Lorentz line in numbers: peak, wing and everything between, to 1e-7") {
