@@ -9,19 +9,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <limits>
 #include <sstream>
 
-#include <nlohmann/json.hpp>
-
-#include "host/base/json_text.h"
 #include "host/base/limited_child.h"
 #include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
+#include "scene_compiler/mesh_declared.h"
 #include "scene_compiler/ply_file.h"
 #include "scene_compiler/polygon.h"
 
@@ -105,12 +102,12 @@ MeshFrame declared_frame(const aiScene& scene, const std::string& ending) {
   if (ending == ".x3d" || ending == ".wrl") return {'y', 1.0};
   if (ending == ".dae") return {'z', 1.0};  // declared; Assimp has made metres of it, and turned it (below)
   MeshFrame out;
-  int axis = 0;
-  double centimetres = 0;
-  if (ending == ".fbx" && scene.mMetaData && scene.mMetaData->Get("UpAxis", axis) && axis >= 0 && axis <= 2)
-    out.up = "xyz"[axis];
-  if (ending == ".fbx" && scene.mMetaData && scene.mMetaData->Get("UnitScaleFactor", centimetres) && centimetres > 0)
-    out.unit_m = 0.01 * centimetres;
+  int axis = 0, sign = 1;
+  float centimetres = 0;
+  if (ending != ".fbx" || !scene.mMetaData) return out;
+  if (scene.mMetaData->Get("UpAxis", axis) && axis >= 0 && axis <= 2) out.up = "xyz"[axis];
+  if (scene.mMetaData->Get("UpAxisSign", sign) && sign < 0) out.upside_down = true;
+  if (scene.mMetaData->Get("UnitScaleFactor", centimetres) && centimetres > 0) out.unit_m = 0.01 * double(centimetres);
   return out;
 }
 
@@ -142,45 +139,9 @@ void read_by_assimp(const std::string& file, const std::string& text,
   if (!read) return;
   const MeshFrame declared = declared_frame(*scene, lower_case(std::filesystem::path(file).extension().string()));
   parcel.value(declared.up.value_or('\0')), parcel.value(declared.unit_m.value_or(0));
+  parcel.value(declared.upside_down);
   send_node(*scene, *scene->mRootNode, aiMatrix4x4(), parcel);
   parcel.value(false);
-}
-
-/// The JSON of a glTF: its text, or the first chunk of the binary form.
-std::string gltf_json(const std::string& text) {
-  if (!text.starts_with("glTF")) return text;
-  constexpr std::size_t kHead = 20;  // magic, version, length; the chunk's length and type (glTF 2.0, 4.4)
-  std::uint32_t bytes = 0;
-  if (text.size() < kHead) return "";
-  std::memcpy(&bytes, text.data() + 12, sizeof bytes);
-  return text.substr(kHead, bytes);
-}
-
-/// Extensions that a glTF needs or uses and that would change its surfaces. What materials, lights and pictures gain by
-/// others is none of a mesh's business here.
-void check_extensions(const std::string& text, const std::string& file, Problems& problems) {
-  const auto json = nlohmann::json::parse(base::shallow_json(gltf_json(text)), nullptr, false);
-  if (!json.is_object()) return;  // Assimp says what is wrong
-  const auto harmless = [](const std::string& name) {
-    for (const char* part : {"_materials_", "_texture_", "_lights_", "_xmp", "_audio"})
-      if (name.find(part) != std::string::npos) return true;
-    return name.starts_with("MSFT_texture");
-  };
-  const auto listed = [&](const char* key) {
-    std::vector<std::string> out;
-    if (json.contains(key) && json[key].is_array())
-      for (const auto& name : json[key])
-        if (name.is_string() && !harmless(name.get<std::string>())) out.push_back(name.get<std::string>());
-    return out;
-  };
-  const std::vector<std::string> required = listed("extensionsRequired");
-  for (const std::string& name : required)
-    problems.add({file, 0, 0, "extensionsRequired"}, "the file needs an extension that is not understood",
-                 "'" + name + "'", "write it without, for instance by gltf-transform or Blender");
-  if (required.empty())
-    for (const std::string& name : listed("extensionsUsed"))
-      problems.tell({file, 0, 0, "extensionsUsed"},
-                    "the extension '" + name + "' is not read; its geometry is left out");
 }
 
 class Importer {
@@ -336,9 +297,21 @@ MeshPart read_names(base::Unpacked& read, bool obj) {
   return out;
 }
 
+/// Of formats that may define axis and unit, which is not known here.
+void tell_of_silence(const MeshFrame& declared, const std::string& ending, const MeshRequest& request,
+                     const std::string& file, Problems& problems) {
+  for (const char* silent : {".obj", ".stl", ".off", ".3ds", ".dxf", ".ase", ".fbx"})
+    if (ending == silent) return;
+  if ((!declared.up && !request.up) || (!declared.unit_m && !request.unit_m))
+    problems.tell({file, 0, 0, ""},
+                  "axis and unit of the format '" + ending +
+                      "' are not known here: z is taken as up and a number as a metre, unless 'up' and "
+                      "'unit_m' say otherwise");
+}
+
 /// Damaged files hang, crash or bloat Assimp (5.2.5). Whole ones take microseconds a byte.
-bool add_by_assimp(Importer& reader, const std::string& file, const std::string& text, bool obj, const Where& asked_by,
-                   Problems& problems) {
+bool add_by_assimp(Importer& reader, const std::string& file, const std::string& text, bool obj,
+                   const MeshRequest& request, const Where& asked_by, Problems& problems) {
   // Of an OBJ, whose unit is the scene's: numbers far from zero are moved in its text, before they become floats.
   const auto centre = obj ? far_centre(obj_vertices(text), reader.out.unit_m) : std::nullopt;
   base::ChildLimits limits;
@@ -355,7 +328,15 @@ bool add_by_assimp(Importer& reader, const std::string& file, const std::string&
   MeshFrame declared;
   if (const char up = read.value<char>(); up != '\0') declared.up = up;
   if (const double unit_m = read.value<double>(); unit_m > 0) declared.unit_m = unit_m;
-  reader.set_frame(declared, assimp_turns(lower_case(std::filesystem::path(file).extension().string())));
+  if (read.value<bool>()) {
+    problems.add({file, 0, 0, ""}, "the file's axis that is up points down", "UpAxisSign = -1",
+                 "write it with an axis that points up, for instance by Blender");
+    return false;
+  }
+  const std::string ending = lower_case(std::filesystem::path(file).extension().string());
+  if (const auto unit_m = declared_unit_m(text, ending)) declared.unit_m = unit_m;
+  tell_of_silence(declared, ending, request, file, problems);
+  reader.set_frame(declared, assimp_turns(ending));
   if (centre) reader.set_centre(*centre);
   while (read.value<bool>()) {
     Part<float> part;
@@ -398,7 +379,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, const MeshReques
   if (!text) return std::nullopt;
   const bool obj = is_obj(file);
   const std::string ending = lower_case(std::filesystem::path(file).extension().string());
-  if (ending == ".gltf" || ending == ".glb") check_extensions(*text, file, problems);
+  check_mesh_text(*text, ending, file, problems);
   if (obj) check_obj_text(obj_for_assimp(*text).value_or(*text), file, problems);
   if (problems.count() != before) return std::nullopt;
   Importer reader(file, request, asked_by, problems);
@@ -415,7 +396,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, const MeshReques
                                  std::move(ply->in_image),
                                  std::move(ply->face_corners),
                                  std::move(ply->corners)});
-  } else if (!add_by_assimp(reader, file, *text, obj, asked_by, problems)) {
+  } else if (!add_by_assimp(reader, file, *text, obj, request, asked_by, problems)) {
     return std::nullopt;
   }
   if (problems.count() != before) return std::nullopt;
@@ -423,7 +404,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, const MeshReques
     for (auto& place : reader.out.in_image) place.fill(std::numeric_limits<float>::quiet_NaN());
   if (reader.out.no_surfaces > 0)
     problems.tell({file, 0, 0, ""}, counted(reader.out.no_surfaces, "face") + " of fewer than three corners left out");
-  if (const std::size_t wanted = obj ? obj_faces(*text) : 0; wanted > reader.out.faces)
+  if (const std::size_t wanted = declared_faces(*text, ending); wanted > reader.out.faces)
     problems.tell({file, 0, 0, ""},
                   counted(wanted - reader.out.faces, "face") + " of " + std::to_string(wanted) + " lost by Assimp");
   if (reader.out.mesh.triangles.empty()) {

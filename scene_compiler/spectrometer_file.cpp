@@ -73,12 +73,12 @@ TextFile lines_of(const std::string& file, const std::string& text) {
   return out;
 }
 
-/// Columns of numbers from line `first` on; unit: of the first, in um.
-SpectrometerFile columns(const TextFile& text, std::size_t first, std::size_t column, double unit) {
+/// Columns of numbers from line `first` on, `of` them in a row; unit: of the first, in um.
+SpectrometerFile columns(const TextFile& text, std::size_t first, std::size_t column, double unit, std::size_t of) {
   SpectrometerFile out;
   for (std::size_t i = first; i < text.lines.size(); ++i) {
     const std::vector<double> numbers = numbers_of(text.lines[i]);
-    if (numbers.size() <= column) {
+    if (numbers.size() != of) {
       if (!text.lines[i].empty() && !out.value.empty()) out.unread.push_back(static_cast<int>(i) + 1);
       continue;
     }
@@ -105,7 +105,7 @@ std::optional<SpectrometerFile> ecostress(const TextFile& text, Problems& proble
   std::size_t last_key = 0;
   for (std::size_t i = 0; i < std::min<std::size_t>(200, text.lines.size()); ++i)
     if (numbers_of(text.lines[i]).size() < 2 && text.lines[i].find(':') != std::string::npos) last_key = i;
-  SpectrometerFile out = columns(text, last_key + 1, 1, um ? 1 : 1e-3);
+  SpectrometerFile out = columns(text, last_key + 1, 1, um ? 1 : 1e-3, 2);
   const auto declared = parse_number(text.value("number of x values"));
   if (declared && *declared != static_cast<double>(out.value.size())) {
     problems.add({text.file, 0, 0, "Number of X Values"}, "the file holds another number of rows",
@@ -119,7 +119,7 @@ std::optional<SpectrometerFile> ecostress(const TextFile& text, Problems& proble
 }
 
 SpectrometerFile splib06(const TextFile& text) {
-  SpectrometerFile out = columns(text, 15, 1, 1);
+  SpectrometerFile out = columns(text, 15, 1, 1, 3);
   out.kind = "USGS splib06";
   if (text.lines.size() > 14) out.name = text.lines[14];
   return out;
@@ -136,7 +136,7 @@ std::optional<SpectrometerFile> splib07(const TextFile& text, const std::string&
   const auto other = read_whole_file(wavelengths, asked_by, problems);
   if (!other) return std::nullopt;
   const TextFile places = lines_of(wavelengths, *other);
-  const auto values = columns(text, 1, 0, 1), at = columns(places, 1, 0, 1);
+  const auto values = columns(text, 1, 0, 1, 1), at = columns(places, 1, 0, 1, 1);
   if (values.value.size() != at.value.size()) {
     problems.add({wavelengths, 0, 0, ""}, "not the wavelengths of " + text.file,
                  std::to_string(at.value.size()) + " for " + std::to_string(values.value.size()) + " values",
@@ -152,7 +152,7 @@ std::optional<SpectrometerFile> splib07(const TextFile& text, const std::string&
 std::optional<SpectrometerFile> sig(const TextFile& text, Problems& problems) {
   for (std::size_t i = 0; i < text.lines.size(); ++i) {
     if (!lower_case(text.lines[i]).starts_with("data=")) continue;
-    SpectrometerFile out = columns(text, i + 1, 3, 1e-3);
+    SpectrometerFile out = columns(text, i + 1, 3, 1e-3, 4);
     out.kind = "SVC", out.scale = 0.01;
     for (const std::string& line : text.lines)
       if (lower_case(line).starts_with("name=")) out.name = trimmed(line.substr(5));
@@ -181,7 +181,7 @@ std::optional<SpectrometerFile> asd_text(const TextFile& text, Problems& problem
                    "export reflectance, or write a CSV");
       return std::nullopt;
     }
-  SpectrometerFile out = columns(text, 1, 1, asd_unit_um(text));
+  SpectrometerFile out = columns(text, 1, 1, asd_unit_um(text), 2);
   for (std::size_t i = 1; i < text.lines.size(); ++i)
     if (numbers_of(text.lines[i]).size() > 2) {
       problems.add({text.file, static_cast<int>(i) + 1, 0, ""}, "an ASD text of several samples",

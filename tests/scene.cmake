@@ -3,6 +3,7 @@ raycube_test(scene_bad_input SOURCES unit/scene_bad_input_test.cpp LIBS raycube:
 raycube_test(sun_position SOURCES oracle/sun_position_test.cpp LIBS raycube::scene_compiler raycube::atmos_tables LABELS
   fast)
 raycube_test(scene_spectra SOURCES unit/scene_spectra_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(mesh_declarations SOURCES unit/mesh_declarations_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(spectral_library SOURCES unit/spectral_library_test.cpp LIBS raycube::scene_compiler raycube_products
   LABELS fast)
 raycube_test(texture_choice SOURCES unit/texture_choice_test.cpp LIBS raycube::scene_compiler LABELS fast)

@@ -17,7 +17,8 @@
 namespace raycube::cli {
 namespace {
 
-constexpr std::array kMeshEndings = {".obj", ".ply", ".stl", ".gltf", ".glb", ".dae", ".fbx", ".3ds", ".off"};
+constexpr std::array kMeshEndings = {".obj", ".ply", ".stl", ".gltf", ".glb", ".dae", ".fbx",
+                                     ".3ds", ".off", ".dxf", ".x3d",  ".amf", ".ase"};
 
 struct MeshBox {
   std::array<double, 3> low, high;
@@ -100,6 +101,7 @@ void print_mesh_info(Invocation& invocation, const std::string& path) {
   base::Problems problems;
   const auto file = scene::read_mesh_file(path, {}, {path, 0, 0, ""}, problems);
   problems.throw_if_any();
+  for (const std::string& notice : problems.notices()) invocation.log.warning(notice);
   if (invocation.common.json)
     invocation.out << mesh_json(path, *file).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                    << "\n";

@@ -70,6 +70,7 @@ void print_spectra_info(Invocation& invocation, const std::string& path) {
   request.file = path, request.asked_by = {path, 0, 0, ""};
   const std::vector<scene::Material> spectra = scene::read_spectra(request, problems);
   problems.throw_if_any();
+  for (const std::string& notice : problems.notices()) invocation.log.warning(notice);
   if (invocation.common.json)
     invocation.out << spectra_json(path, spectra).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                    << "\n";

@@ -13,7 +13,8 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   chosen = name ? raycube::fuzz::find_target(name) : nullptr;
   if (chosen) return 0;
   std::fprintf(stderr, "fuzz: set RAYCUBE_FUZZ_TARGET to one of:\n");
-  for (const auto& target : raycube::fuzz::targets()) std::printf("%s\n", target.name);
+  for (const auto& target : raycube::fuzz::targets())
+    if (!target.by_others) std::printf("%s\n", target.name);
   std::exit(name ? 2 : 0);
 }
 

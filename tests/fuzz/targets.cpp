@@ -13,14 +13,20 @@
 #include "atmos_tables/optics/profile_csv.h"
 #include "atmos_tables/rct_file.h"
 #include "host/base/error.h"
+#include "host/base/image_orientation.h"
 #include "host/base/sha256.h"
 #include "host/products/envi_reader.h"
 #include "host/products/las_reader.h"
 #include "scene_compiler/band_list.h"
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/envi_library.h"
+#include "scene_compiler/ies_file.h"
+#include "scene_compiler/index_file.h"
 #include "scene_compiler/load_simulation.h"
+#include "scene_compiler/measured_file.h"
 #include "scene_compiler/mesh_file.h"
+#include "scene_compiler/raster.h"
+#include "scene_compiler/solar_file.h"
 #include "scene_compiler/spectrum_file.h"
 
 namespace raycube::fuzz {
@@ -191,6 +197,38 @@ RC_FORMAT(sixs, "6s")
 RC_FORMAT(plain_csv, "plain-csv")
 #undef RC_FORMAT
 
+void raster(const std::string& path) {
+  reported([&](base::Problems& p) { scene::read_raster(path, 1, 0, scene::NoData::mark, {}, p); });
+}
+/// The header; its data are 50 bytes.
+void raster_header(const std::string& path) {
+  const std::string data = path.substr(0, path.size() - std::strlen(".hdr"));
+  write(data, std::string(50, '\1'));
+  raster(data);
+}
+void any_mesh(const std::string& path) {
+  reported([&](base::Problems& p) { scene::read_mesh_file(path, {}, {}, p); });
+}
+void lamp(const std::string& path) {
+  reported([&](base::Problems& p) { scene::read_ies(path, {}, p); });
+}
+void index_table(const std::string& path) {
+  reported([&](base::Problems& p) { scene::read_index(path, {}, p); });
+}
+void measured(const std::string& path) {
+  reported([&](base::Problems& p) { scene::read_measured(path, {}, p); });
+}
+void solar(const std::string& path) {
+  reported([&](base::Problems& p) { scene::read_solar_spectrum(path, {}, p); });
+}
+void orientation(const std::string& path) { base::image_orientation(path); }
+
+std::size_t after_cell_size(const std::string& text);
+std::size_t after_columns(const std::string& text);
+std::size_t after_nine_words(const std::string& text);
+std::size_t after_ply_head(const std::string& text);
+std::size_t after_additional(const std::string& text);
+
 constexpr Target kTargets[] = {
     {"simulation", "in.toml", simulation},
     {"spectrum", "in.csv", spectrum},
@@ -222,6 +260,31 @@ constexpr Target kTargets[] = {
     {"import_plain_csv", "in.csv", import <plain_csv>},
     {"import_uvspec", "in.out", uvspec},
     {"import_uvspec_input", "in.inp", uvspec_input},
+    {"spectrum_ecostress", "in.txt", spectrum, after_additional},
+    {"spectrum_splib06", "in.asc", spectrum},
+    {"spectrum_asd_text", "in.txt", spectrum},
+    {"spectrum_asd", "in.asd", spectrum},
+    {"spectrum_svc", "in.sig", spectrum},
+    {"lamp_ies", "in.ies", lamp},
+    {"refractive_index", "in.csv", index_table},
+    {"measured", "in.csv", measured},
+    {"solar", "in.csv", solar},
+    {"orientation", "in.tif", orientation},
+    {"mesh_ply", "in.ply", any_mesh, after_ply_head},
+    {"mesh_any_obj", "in.obj", any_mesh, nullptr, true},
+    {"mesh_gltf", "in.gltf", any_mesh, nullptr, true},
+    {"mesh_collada", "in.dae", any_mesh, nullptr, true},
+    {"mesh_stl", "in.stl", any_mesh, nullptr, true},
+    {"mesh_off", "in.off", any_mesh, nullptr, true},
+    {"mesh_dxf", "in.dxf", any_mesh, nullptr, true},
+    {"raster_esri", "in.asc", raster, after_cell_size, true},
+    {"raster_grass", "in.asc", raster, after_columns, true},
+    {"raster_surfer", "in.grd", raster, after_nine_words, true},
+    {"raster_envi", "in.dat.hdr", raster_header, nullptr, true},
+    {"raster_vrt", "in.vrt", raster, nullptr, true},
+    {"raster_tiff", "in.tif", raster, nullptr, true},
+    {"raster_png", "in.png", raster, nullptr, true},
+    {"raster_jpeg", "in.jpg", raster, nullptr, true},
 };
 
 /// Files that targets need beside the one under test.
@@ -229,8 +292,26 @@ void write_companions(const std::string& folder) {
   write(folder + "/t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n");
   write(folder + "/uvspec.inp",
         "source solar\nwavelength 500 501\nsza 30\nphi0 0\nzout 0 TOA\numu -1 0.5 1\nphi 0 90\nrte_solver disort\n");
+  write(folder + "/grid.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4 5 6\n");
   write(folder + "/uvspec.out", " 500.000  1.0e+02  2.0e+01  3.0e+00  1.0e+01  2.0e+00  3.0e-01 \n");
 }
+
+/// Where bodies of texts begin: behind the first line that ends a head.
+std::size_t behind(const std::string& text, const std::string& mark) {
+  const auto at = text.find(mark);
+  return at == std::string::npos ? at : text.find('\n', at);
+}
+std::size_t after_cell_size(const std::string& text) { return behind(text, "cellsize"); }
+std::size_t after_columns(const std::string& text) { return behind(text, "cols:"); }
+std::size_t after_nine_words(const std::string& text) {
+  std::size_t at = 0;
+  for (int line = 0; line < 5 && at != std::string::npos; ++line) at = text.find('\n', at + (line > 0));
+  return at;
+}
+std::size_t after_ply_head(const std::string& text) {
+  return text.find("format ascii") == std::string::npos ? std::string::npos : behind(text, "end_header");
+}
+std::size_t after_additional(const std::string& text) { return behind(text, "Additional Information"); }
 
 struct Scratch {
   std::string path;
@@ -262,13 +343,20 @@ const std::string& scratch_folder() {
   return scratch.path;
 }
 
-void feed(const Target& target, const std::uint8_t* data, std::size_t bytes) {
+void remove_scratch() {
+  std::error_code ignored;
+  fs::remove_all(scratch_folder(), ignored);
+}
+
+bool feed(const Target& target, const std::uint8_t* data, std::size_t bytes) {
   const std::string path = scratch_folder() + "/" + target.file;
   write(path, data, bytes);
   try {
     target.read(path);
+    return true;
   } catch (const base::Error& error) {
     if (error.fault() == base::Fault::bug) throw;
+    return false;
   }
 }
 
