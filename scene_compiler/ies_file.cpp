@@ -48,6 +48,11 @@ class Numbers {
     if (sound_) problems_.add({file_, 0, 0, ""}, what, found, "give a file of IES LM-63, type C");
     sound_ = false;
   }
+  /// Nothing may stand behind the last number.
+  void end() {
+    if (std::string word; sound_ && stream_ >> word) fail("more numbers than the file counts", word);
+  }
+  void tell(const char* what) { problems_.tell({file_, 0, 0, ""}, what); }
   bool sound() const { return sound_; }
 
  private:
@@ -118,7 +123,10 @@ LampDistribution read_numbers(Numbers& numbers, bool tilt_included, bool of_2019
   if (tilt_included) {
     numbers.next("the tilt's geometry");
     const std::size_t pairs = numbers.count("the number of tilt angles");
-    numbers.list(2 * pairs, "tilt angles and factors");
+    const std::vector<double> tilt = numbers.list(2 * pairs, "tilt angles and factors");
+    if (std::any_of(tilt.begin() + static_cast<std::ptrdiff_t>(tilt.size() / 2), tilt.end(),
+                    [](double factor) { return factor != 1; }))
+      numbers.tell("its factors for tilted lamps are not used");
   }
   numbers.list(2, "the number of lamps and their lumens");
   const double multiplier = numbers.next("the candela multiplier");
@@ -133,6 +141,7 @@ LampDistribution read_numbers(Numbers& numbers, bool tilt_included, bool of_2019
   out.vertical_deg = numbers.list(rows, "vertical angles");
   out.horizontal_deg = numbers.list(columns, "horizontal angles");
   out.value = numbers.list(rows * columns, "candelas");
+  numbers.end();
   if (!numbers.sound()) return out;
   if (!ascends(out.vertical_deg) || out.vertical_deg.front() < 0 || out.vertical_deg.back() > 180 || rows < 2)
     numbers.fail("vertical angles must ascend within 0 to 180 deg",

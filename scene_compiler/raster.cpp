@@ -95,13 +95,20 @@ bool has_bands(const Opened& opened, int first_band, int count) {
   return count >= 1 && first_band + count - 1 <= opened.band_count;
 }
 
+bool has_complex_numbers(GDALDatasetH dataset) {
+  for (int band = 1; band <= gdal().GDALGetRasterCount(dataset); ++band)
+    if (gdal().GDALGetRasterDataType(gdal().GDALGetRasterBand(dataset, band)) >= GDT_CInt16) return true;
+  return false;
+}
+
 /// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for what the file
 /// declares, and by pieces GDAL's word (empty: it could be read), values and what is known of each.
 void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
   const base::OpenedByGdal found = base::open_by_gdal(file);
   const GdalDataset& dataset = found.set;
-  parcel.text(found.wrong);
-  if (!dataset) return;
+  const bool complex = dataset && has_complex_numbers(dataset.get());
+  parcel.text(complex ? "it holds complex numbers, whose parts are to be written apart" : found.wrong);
+  if (!dataset || complex) return;
   parcel.value(found.told.size());
   for (const std::string& told : found.told) parcel.text(told);
   const QuietGdal quiet;

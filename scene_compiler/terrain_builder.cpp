@@ -29,6 +29,9 @@ std::array<double, 6> local_from(const Raster& raster, const Origin& origin) {
   return t;
 }
 
+/// Fine rasters of degrees lie so far from zero, those of metres about an origin of their own do not.
+constexpr double kCellsFromZero = 10000;
+
 /// The raster's coordinate system against the scene's; true when its transform can be used.
 bool check_reference(const Raster& raster, const SceneParts& parts, const Where& where, Problems& problems) {
   const auto& t = raster.transform;
@@ -57,7 +60,8 @@ bool check_reference(const Raster& raster, const SceneParts& parts, const Where&
     return false;
   }
   if (system.wkt.empty() && std::abs(east) <= 180.5 && std::abs(north) <= 90.5 && std::abs(t[1]) < 0.02 &&
-      std::hypot(parts.origin.easting_m, parts.origin.northing_m) > 1000)
+      (std::hypot(parts.origin.easting_m, parts.origin.northing_m) > 1000 ||
+       std::hypot(east, north) > kCellsFromZero * std::abs(t[1])))
     problems.tell(where, raster.file + " names no reference system, and its coordinates look like degrees (centre " +
                              number_text(east) + ", " + number_text(north) + ")");
   if (std::hypot(east - parts.origin.easting_m, north - parts.origin.northing_m) > 1e5) {
@@ -415,6 +419,8 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
                  std::to_string(raster->columns) + " x " + std::to_string(raster->rows), "give a larger raster");
     return;
   }
+  if (raster->declared[0].palette)
+    problems.tell({raster->file, 0, 0, ""}, "its numbers are those of a palette's colours; they are taken as heights");
   const auto transform = terrain_transform(record, *raster, parts, problems);
   const auto z = heights(record, *raster, parts.origin, problems);
   if (!transform || !z) return;

@@ -1,6 +1,6 @@
 // Feeds every file of every corpus to its target in the ordinary build: replay CORPUS_FOLDER. What once crashed stays
-// in the corpora. An exception that is no base::Error, or a signal, fails the test; a target without a corpus, or a
-// corpus without a target, too.
+// in the corpora. An exception that is no base::Error, or a signal, fails the test; a target without a corpus, or none
+// of whose corpus is read, or a corpus without a target, too.
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -31,16 +31,21 @@ int main(int count, char** arguments) {
       std::cerr << target.name << ": has no corpus\n";
       ++faults;
     }
+    bool read = paths.empty();
     for (const auto& path : paths) {
       std::ifstream in(path, std::ios::binary);
       const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
       try {
-        raycube::fuzz::feed(target, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+        read |= raycube::fuzz::feed(target, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
       } catch (const std::exception& error) {
         std::cerr << path.string() << ": " << error.what() << "\n";
         ++faults;
       }
       ++files;
+    }
+    if (!read) {
+      std::cerr << target.name << ": none of its corpus is read; correct the target, or add a sound file\n";
+      ++faults;
     }
   }
   std::cout << files << " files of " << raycube::fuzz::targets().size() << " corpora, " << faults << " faults\n";

@@ -56,7 +56,10 @@ void reported(const F& read) {
 /// A simulation that names the file under test; validated and, for what only compiling reads, compiled.
 void in_simulation(const std::string& path, const std::string& text, bool compile) {
   const std::string file = path + ".toml";
-  write(file, "format = 1\nmaterial = [ { name = \"m\", reflectance = 0.5 } ]\n" + text);
+  write(file,
+        "format = 1\ntime = { sun = { zenith_deg = 30 } }\natmosphere = { model = \"none\" }\nmaterial = [ { name = "
+        "\"m\", reflectance = 0.5 } ]\n" +
+            text);
   scene::load_simulation(file, {.compile = compile});
 }
 
@@ -135,7 +138,7 @@ void pulse_shape(const std::string& path) {
   in_simulation(path,
                 "[[lidar]]\nname = \"l\"\nprf_khz = 1.0\npulses = 1\nposition_m = [0.0, 0.0, "
                 "50.0]\n[lidar.pulse]\nenergy_J = 1e-5\n"
-                "wavelength_nm = 1064.0\nshape = \"tabulated\"\nshape_file = " +
+                "wavelength_nm = 1064.0\nshape = \"tabulated\"\nzero_at = \"peak\"\nshape_file = " +
                     quoted(path) +
                     "\ndivergence_mrad = 0.5\ndivergence_is = \"full angle at "
                     "1/e^2\"\n[lidar.receiver]\naperture_diameter_m = 0.1\n"
