@@ -9,7 +9,8 @@
 
 namespace raycube::scene {
 
-/// Metres of one of the file's numbers: $INSUNITS of DXF, `unit` of X3D and of AMF, whose own is the millimetre. ending: ".dxf". nullopt: the text declares none.
+/// Metres of one of the file's numbers: $INSUNITS of DXF, `unit` of X3D and of AMF, whose own is the millimetre.
+/// ending: ".dxf". nullopt: the text declares none.
 std::optional<double> declared_unit_m(const std::string& text, const std::string& ending);
 
 /// Reports a text that is not all of what it declares: a DXF without its end, an OFF of another number of rows than it

@@ -25,7 +25,8 @@ struct MeshPart {
 };
 
 /// What is up in a file's numbers, and how long one is, as its format defines or the file declares: glTF is y up and in
-/// metres; Collada and FBX declare both; 3DS and DXF are z up, and DXF may declare a unit. Nothing: the format is silent.
+/// metres; Collada and FBX declare both; 3DS and DXF are z up, and DXF may declare a unit. Nothing: the format is
+/// silent.
 struct MeshFrame {
   std::optional<char> up;  ///< 'x', 'y' or 'z'
   std::optional<double> unit_m;

@@ -1,14 +1,15 @@
-# Readers of files that users bring: the corpora replayed here, libFuzzer in a build of its own (ci/fuzz,
+# Readers of files that users bring: the corpora and mutations of them here, libFuzzer in a build of its own (ci/fuzz,
 # docs/stability.md).
 if(NOT RAYCUBE_FUZZ)
-  add_executable(fuzz_replay fuzz/replay_main.cpp fuzz/targets.cpp)
-  raycube_test_code(fuzz_replay)
-  target_link_libraries(fuzz_replay PRIVATE raycube::scene_compiler raycube_products raycube::atmos_import
+  add_library(raycube_fuzz_targets STATIC fuzz/targets.cpp)
+  raycube_test_code(raycube_fuzz_targets)
+  target_link_libraries(raycube_fuzz_targets PUBLIC raycube::scene_compiler raycube_products raycube::atmos_import
     raycube::atmos_lines)
-  add_executable(fuzz_mutate fuzz/mutate_main.cpp fuzz/targets.cpp)
-  raycube_test_code(fuzz_mutate)
-  target_link_libraries(fuzz_mutate PRIVATE raycube::scene_compiler raycube_products raycube::atmos_import
-    raycube::atmos_lines)
+  foreach(program IN ITEMS replay mutate)
+    add_executable(fuzz_${program} fuzz/${program}_main.cpp)
+    raycube_test_code(fuzz_${program})
+    target_link_libraries(fuzz_${program} PRIVATE raycube_fuzz_targets)
+  endforeach()
   add_test(NAME fuzz_mutations COMMAND fuzz_mutate ${CMAKE_CURRENT_LIST_DIR}/fuzz/corpus 30)
   add_test(NAME fuzz_mutations_full COMMAND fuzz_mutate ${CMAKE_CURRENT_LIST_DIR}/fuzz/corpus 2000)
   set_tests_properties(fuzz_mutations PROPERTIES LABELS fast)

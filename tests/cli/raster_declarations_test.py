@@ -176,7 +176,8 @@ def maps(folder):
     (folder / "c.vrt").write_text(virtual("c.asc", kind="Byte", more=empty))
     classes = 'class_map = "c.vrt"\nmaterials = { 1 = "m" }'
     told(terrain(folder, "plain.asc", classes), "cells lie where the class map declares no data")
-    told(terrain(folder, "plain.asc", 'mixture_map = "c.vrt"\nmaterials = { 1 = "m" }'), "fraction without data", status=2)
+    mixture = 'mixture_map = "c.vrt"\nmaterials = { 1 = "m" }'
+    told(terrain(folder, "plain.asc", mixture), "fraction without data", status=2)
     (folder / "c.vrt").write_text(virtual("c.asc", kind="Byte"))
     check("no data" not in told(terrain(folder, "plain.asc", classes)).stderr)
 

@@ -1,5 +1,5 @@
 // Mutations of every file of every corpus, fed to its reader in the ordinary build: mutate CORPUS_FOLDER NUMBER [TARGET
-// ...]. Each reader runs in a process with 2 GiB of address space and 30 s for each mutation, so that a signal or a hang
+// ..]. Each reader runs in a process with 2 GiB of address space and 30 s for each mutation, so that a signal or a hang
 // is counted and the next mutation is tried. Of texts that count their numbers, every tenth mutation takes one number
 // out of the body or puts one more into it: such a file is not to be read. Fails on a signal, a hang, an exception that
 // is no base::Error, or such a file that was read. Mutations are the same in every run.
