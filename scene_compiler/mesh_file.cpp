@@ -34,7 +34,7 @@ constexpr std::size_t kMaxReports = 20;
 constexpr double kFar_m = 1e4;
 // What reading may take. Assimp needs about 1 us and 10 to 60 bytes for each byte of OBJ or PLY text; formats
 // that compress more.
-constexpr double kBase_s = 60, kPerByte_s = 20e-6;
+constexpr double kBase_s = 20, kPerByte_s = 20e-6;
 constexpr std::uint64_t kBase_bytes = 2ull << 30, kPerByte_bytes = 200;
 
 /// Faces of one material and one group, its node's transform applied; of Assimp in single precision.
@@ -302,11 +302,12 @@ void tell_of_silence(const MeshFrame& declared, const std::string& ending, const
                      const std::string& file, Problems& problems) {
   for (const char* silent : {".obj", ".stl", ".off", ".3ds", ".dxf", ".ase", ".fbx"})
     if (ending == silent) return;
-  if ((!declared.up && !request.up) || (!declared.unit_m && !request.unit_m))
+  if (!declared.up && !request.up)
     problems.tell({file, 0, 0, ""},
-                  "axis and unit of the format '" + ending +
-                      "' are not known here: z is taken as up and a number as a metre, unless 'up' and "
-                      "'unit_m' say otherwise");
+                  "what is up in the format '" + ending + "' is not known here: z, unless 'up' says other");
+  if (!declared.unit_m && !request.unit_m)
+    problems.tell({file, 0, 0, ""},
+                  "the unit of the format '" + ending + "' is not known here: m, unless 'unit_m' says other");
 }
 
 /// Damaged files hang, crash or bloat Assimp (5.2.5). Whole ones take microseconds a byte.

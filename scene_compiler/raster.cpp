@@ -25,7 +25,7 @@ using base::Where;
 
 // What reading may take: GDAL needs some 10 ns a pixel of the 2^28 that are read at most, whatever a file's
 // bytes unpack to.
-constexpr double kRasterBase_s = 120, kRasterPerByte_s = 4e-6;
+constexpr double kRasterBase_s = 28, kRasterPerByte_s = 4e-6;
 constexpr std::uint64_t kMemory_bytes = 6ull << 30;
 constexpr int kPiece_values = 1 << 20;
 

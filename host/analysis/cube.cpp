@@ -179,7 +179,8 @@ void require_same_bands(const Cube& a, const Cube& b) {
   }
   const auto unit = products::radiance_of(a.header().data_units),
              other_unit = products::radiance_of(b.header().data_units);
-  if (unit && other_unit && std::abs(*unit - *other_unit) > 1e-9 * *unit)
+  if (a.header().data_units.empty() || b.header().data_units.empty()) return;
+  if (unit.has_value() != other_unit.has_value() || (unit && std::abs(*unit - *other_unit) > 1e-9 * *unit))
     throw Error(Fault::input,
                 fmt::format("{} is in {}, {} in {}; bring them to one unit by 'data gain values' in a header", a.path(),
                             a.header().data_units, b.path(), b.header().data_units));

@@ -47,33 +47,35 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
 
-/// What stands behind a key in a small text beside the raster: "UNIT = ft", "Zunits FEET"; empty: nothing.
-std::string beside(GDALDatasetH dataset, const char* extension, const std::string& key) {
-  const std::filesystem::path file = gdal().GDALGetDescription(dataset);
-  std::ifstream in(std::filesystem::path(file).replace_extension(extension));
+/// What stands behind a key in the first lines of a text: "UNIT = ft", "Zunits FEET", "multiplier: 0.1"; empty: none.
+std::string said_in(const std::filesystem::path& file, const std::string& key) {
+  std::ifstream in(file);
   std::string line;
-  for (int read = 0; read < 1000 && std::getline(in, line); ++read) {
+  for (int read = 0; read < 100 && std::getline(in, line); ++read) {
     const std::string start = trimmed(line);
-    if (start.size() <= key.size() ||
-        !(start[key.size()] == ' ' || start[key.size()] == '\t' || start[key.size()] == '='))
+    if (start.size() <= key.size() || !(start[key.size()] == ' ' || start[key.size()] == '\t' ||
+                                        start[key.size()] == '=' || start[key.size()] == ':'))
       continue;
     bool same = true;
     for (std::size_t i = 0; i < key.size(); ++i)
       same = same && std::toupper(static_cast<unsigned char>(start[i])) == key[i];
-    if (same)
-      return trimmed(start.substr(start.find_first_not_of(" \t=", key.size()) == std::string::npos
-                                      ? start.size()
-                                      : start.find_first_not_of(" \t=", key.size())));
+    const auto value = start.find_first_not_of(" \t=:", key.size());
+    if (same && value != std::string::npos) return start.substr(value);
   }
   return "";
 }
 
-/// What formats declare and GDAL's drivers do not hand on: unit and scale factor of ENVI and of SAGA, and the unit of
-/// heights in ESRI's old projection files.
+/// What formats declare and GDAL's drivers do not hand on: unit and scale factor of ENVI and of SAGA, the multiplier of
+/// GRASS, and the unit of heights in ESRI's old projection files.
 void add_what_drivers_leave_out(GDALRasterBandH band, GdalBand& out) {
   const GDALDatasetH dataset = gdal().GDALGetBandDataset(band);
   const GDALDriverH driver = dataset ? gdal().GDALGetDatasetDriver(dataset) : nullptr;
   const std::string name = driver ? gdal().GDALGetDriverShortName(driver) : "";
+  const std::filesystem::path file = dataset ? gdal().GDALGetDescription(dataset) : "";
+  const auto beside = [&](const char* extension) { return std::filesystem::path(file).replace_extension(extension); };
+  const auto multiply = [&](double factor) {
+    if (factor > 0) out.scale *= factor, out.offset *= factor;
+  };
   std::string unit;
   if (name == "ENVI") {
     const auto said = [&](const char* key) {
@@ -84,11 +86,12 @@ void add_what_drivers_leave_out(GDALRasterBandH band, GdalBand& out) {
     const double factor = std::atof(said("reflectance_scale_factor").c_str());
     if (factor > 0) out.scale /= factor, out.offset /= factor;
   } else if (name == "SAGA") {
-    unit = beside(dataset, ".sgrd", "UNIT");
-    const double factor = std::atof(beside(dataset, ".sgrd", "Z_FACTOR").c_str());
-    if (factor > 0) out.scale *= factor, out.offset *= factor;
+    unit = said_in(beside(".sgrd"), "UNIT");
+    multiply(std::atof(said_in(beside(".sgrd"), "Z_FACTOR").c_str()));
+  } else if (name == "GRASSASCIIGrid") {
+    multiply(std::atof(said_in(file, "MULTIPLIER").c_str()));
   } else if (name == "AAIGrid" || name == "EHdr") {
-    unit = beside(dataset, ".prj", "ZUNITS");
+    unit = said_in(beside(".prj"), "ZUNITS");
     for (char& c : unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
   if (out.unit.empty()) out.unit = unit;

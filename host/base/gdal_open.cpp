@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "host/base/gdal_band.h"
+#include "host/base/netcdf_size.h"
 
 namespace raycube::base {
 namespace {
@@ -22,6 +23,14 @@ OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth);
 /// RAW_CHECK_FILE_SIZE it refuses files of less than half their size alone).
 std::string cut_short(GDALDatasetH dataset, const std::string& file) {
   const std::string driver = gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset));
+  std::error_code failed;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(file, failed));
+  const auto ends_early = [&](double needed) {
+    return failed || bytes >= needed ? std::string()
+                                     : "the file ends after " + std::to_string(static_cast<std::uint64_t>(bytes)) +
+                                           " of " + std::to_string(static_cast<std::uint64_t>(needed)) + " bytes";
+  };
+  if (driver == "netCDF") return ends_early(static_cast<double>(netcdf_bytes(file)));
   if (driver != "ENVI" && driver != "EHdr" && driver != "ISCE" && driver != "ROI_PAC") return "";
   const auto said = [&](const char* key, const char* domain) {
     const char* const value = gdal().GDALGetMetadataItem(dataset, key, domain);
@@ -36,11 +45,7 @@ std::string cut_short(GDALDatasetH dataset, const std::string& file) {
   }
   const double needed = std::ceil(bits * gdal().GDALGetRasterXSize(dataset) * gdal().GDALGetRasterYSize(dataset) / 8) +
                         said("header_offset", "ENVI");
-  std::error_code failed;
-  const auto bytes = static_cast<double>(std::filesystem::file_size(file, failed));
-  if (failed || bytes >= needed) return "";
-  return "the file ends after " + std::to_string(static_cast<std::uint64_t>(bytes)) + " of " +
-         std::to_string(static_cast<std::uint64_t>(needed)) + " bytes";
+  return ends_early(needed);
 }
 
 bool is_number(std::string word) {

@@ -432,6 +432,12 @@ def cubes(folder):
     cube = write_cube(folder / "cube.img", light, wavelength="{400, 500, 600}", wavelength_units="Unknown")
     done = run("analyze", "statistics", cube, "--wavelengths", "400:500", "-o", folder / "out", status=2)
     check("in no unit of them ('Unknown')" in done.stderr, done.stderr)
+    ours = write_cube(folder / "ours.img", light, data_units="W m-2 sr-1 um-1")
+    for unit, status in (("mW/(m^2 sr nm)", 0), ("uW cm-2 sr-1 nm-1", 2), ("reflectance", 2)):
+        cube = write_cube(folder / "cube.img", light, data_units=unit)
+        where = ("-o", folder / "out", "--overwrite", "--no-picture")
+        done = run("analyze", "scorecard", ours, "--other", cube, *where, status=status)
+        check((unit in done.stderr) == (status == 2), unit, done.stderr)
     mask = numpy.ones((4, 5))
     tiff(folder / "mask.tif", mask, 3)
     done = run("analyze", "statistics", cube, "--region", f"r={folder / 'mask.tif'}", "-o", folder / "out", status=2)

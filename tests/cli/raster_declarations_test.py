@@ -131,6 +131,8 @@ def numbers(folder):
     same("old.asc", "heights in 'feet'")
     (folder / "g.asc").write_text(grass(HEIGHT))
     same("g.asc")
+    (folder / "g.asc").write_text(grass(10 * HEIGHT, "multiplier: 0.1\n"))
+    same("g.asc", "times 0.1")
     (folder / "g.grd").write_text(surfer(HEIGHT))
     same("g.grd")
 

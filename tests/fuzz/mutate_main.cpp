@@ -1,8 +1,9 @@
-// Mutations of every file of every corpus, fed to its reader in the ordinary build: mutate CORPUS_FOLDER NUMBER [TARGET
-// ..]. Each reader runs in a process with 2 GiB of address space and 30 s for each mutation, so that a signal or a hang
-// is counted and the next mutation is tried. Of texts that count their numbers, every tenth mutation takes one number
-// out of the body or puts one more into it: such a file is not to be read. Fails on a signal, a hang, an exception that
-// is no base::Error, or such a file that was read. Mutations are the same in every run.
+// Mutations of every file of every corpus, fed to its reader in the ordinary build: mutate CORPUS_FOLDER NUMBER
+// [TARGET ..]. Each reader runs in a process with 2 GiB of address space and 30 s of computing for each mutation, its
+// children's too, so that a signal or a hang is counted and the next mutation is tried. Of texts that count their
+// numbers, every tenth mutation takes one number out of the body or puts one more into it: such a file is not to be
+// read. Fails on a signal, a hang, an exception that is no base::Error, or such a file that was read. Mutations are the
+// same in every run.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +17,7 @@
 
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,7 +29,8 @@ namespace fs = std::filesystem;
 using raycube::fuzz::Target;
 
 constexpr rlim_t kMemory_bytes = rlim_t{2} << 30;
-constexpr unsigned kMost_s = 30;
+constexpr double kMost_s = 30;         ///< of computing
+constexpr unsigned kMostWait_s = 600;  ///< in all, on any machine
 
 /// splitmix64 (Steele et al. 2014).
 class Draws {
@@ -105,7 +108,7 @@ bool miscount(std::string& text, std::size_t body, Draws& draws) {
 
 /// Shared with the process that reads.
 struct Tally {
-  std::size_t next = 0, refused = 0, read = 0, miscounted = 0, miscounted_read = 0, odd = 0;
+  std::size_t next = 0, refused = 0, read = 0, miscounted = 0, miscounted_read = 0, odd = 0, hangs = 0;
   bool miscount = false;
 };
 
@@ -117,6 +120,18 @@ std::uint64_t seed_of(const Target& target, std::size_t index) {
   std::uint64_t seed = 14695981039346656037u;  // FNV-1a
   for (const char* c = target.name; *c; ++c) seed = (seed ^ static_cast<unsigned char>(*c)) * 1099511628211u;
   return seed + index;
+}
+
+/// Seconds that this process and its children, those that have ended, have computed.
+double computed_s() {
+  double out = 0;
+  for (const int whose : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage used{};
+    ::getrusage(whose, &used);
+    for (const timeval& time : {used.ru_utime, used.ru_stime})
+      out += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  }
+  return out;
 }
 
 void try_one(const Target& target, const std::vector<std::string>& files, std::size_t index, Tally& tally) {
@@ -144,7 +159,7 @@ void try_one(const Target& target, const std::vector<std::string>& files, std::s
 std::size_t try_all(const Target& target, const std::vector<std::string>& files, std::size_t number) {
   auto* const tally =
       new (::mmap(nullptr, sizeof(Tally), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Tally;
-  std::size_t signals = 0, hangs = 0;
+  std::size_t signals = 0;
   while (tally->next < number) {
     std::fflush(stdout);
     const pid_t child = ::fork();
@@ -152,8 +167,15 @@ std::size_t try_all(const Target& target, const std::vector<std::string>& files,
       const rlimit memory{kMemory_bytes, kMemory_bytes}, no_core{0, 0};
       ::setrlimit(RLIMIT_AS, &memory), ::setrlimit(RLIMIT_CORE, &no_core);
       while (tally->next < number) {
-        ::alarm(kMost_s);
+        ::alarm(kMostWait_s);
+        const itimerval own{{0, 0}, {static_cast<time_t>(kMost_s), 0}};
+        ::setitimer(ITIMER_PROF, &own, nullptr);
+        const double begun_s = computed_s();
         try_one(target, files, tally->next, *tally);
+        if (computed_s() - begun_s > kMost_s) {
+          std::printf("%s: %.0f s of computing\n", name_of_seed(target, tally->next).c_str(), computed_s() - begun_s);
+          ++tally->hangs;
+        }
         ++tally->next;
       }
       std::fflush(stdout);
@@ -164,9 +186,8 @@ std::size_t try_all(const Target& target, const std::vector<std::string>& files,
     ::waitpid(child, &status, 0);
     if (WIFSIGNALED(status)) {
       const int signal = WTERMSIG(status);
-      std::printf("%s: %s\n", name_of_seed(target, tally->next).c_str(),
-                  signal == SIGALRM ? "goes on after 30 s" : ::strsignal(signal));
-      ++(signal == SIGALRM ? hangs : signals);
+      std::printf("%s: %s\n", name_of_seed(target, tally->next).c_str(), ::strsignal(signal));
+      ++(signal == SIGALRM || signal == SIGPROF ? tally->hangs : signals);
       ++tally->next;
     } else if (WEXITSTATUS(status) != 0) {
       std::printf("%s: ended with status %d\n", name_of_seed(target, tally->next).c_str(), WEXITSTATUS(status));
@@ -174,8 +195,8 @@ std::size_t try_all(const Target& target, const std::vector<std::string>& files,
     }
   }
   std::printf("%-20s %6zu %8zu %8zu %8zu %6zu %10zu %10zu\n", target.name, number, tally->refused, tally->read, signals,
-              hangs, tally->miscounted, tally->miscounted_read);
-  return signals + hangs + tally->odd + tally->miscounted_read;
+              tally->hangs, tally->miscounted, tally->miscounted_read);
+  return signals + tally->hangs + tally->odd + tally->miscounted_read;
 }
 
 }  // namespace

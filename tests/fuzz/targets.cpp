@@ -231,6 +231,7 @@ std::size_t after_columns(const std::string& text);
 std::size_t after_nine_words(const std::string& text);
 std::size_t after_ply_head(const std::string& text);
 std::size_t after_additional(const std::string& text);
+std::size_t after_tilt(const std::string& text);
 
 constexpr Target kTargets[] = {
     {"simulation", "in.toml", simulation},
@@ -268,7 +269,7 @@ constexpr Target kTargets[] = {
     {"spectrum_asd_text", "in.txt", spectrum},
     {"spectrum_asd", "in.asd", spectrum},
     {"spectrum_svc", "in.sig", spectrum},
-    {"lamp_ies", "in.ies", lamp},
+    {"lamp_ies", "in.ies", lamp, after_tilt},
     {"refractive_index", "in.csv", index_table},
     {"measured", "in.csv", measured},
     {"solar", "in.csv", solar},
@@ -315,6 +316,7 @@ std::size_t after_ply_head(const std::string& text) {
   return text.find("format ascii") == std::string::npos ? std::string::npos : behind(text, "end_header");
 }
 std::size_t after_additional(const std::string& text) { return behind(text, "Additional Information"); }
+std::size_t after_tilt(const std::string& text) { return behind(text, "TILT="); }
 
 struct Scratch {
   std::string path;
