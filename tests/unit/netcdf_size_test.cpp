@@ -23,7 +23,7 @@ struct Written {
   }
 };
 
-/// y = 2, x = 3, and where there are records time, unlimited; z(y, x) of floats, an attribute of three shorts; t(time, x)
+/// y = 2, x = 3, and time, unlimited; z(y, x) of floats, an attribute of three shorts; t(time, x)
 /// of shorts: 6 bytes, which stand in 8.
 std::string file(int version, std::uint64_t records) {
   Written w{"CDF", version};
