@@ -21,3 +21,7 @@ target_link_libraries(lidar_run_samples PRIVATE raycube_lidar_support raycube::r
 add_test(NAME lidar_products COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_products_test.py
   $<TARGET_FILE:lidar_run_samples> $<TARGET_FILE:raycube>)
 set_tests_properties(lidar_products PROPERTIES LABELS fast ENVIRONMENT RAYCUBE_DATA=${CMAKE_BINARY_DIR}/share/raycube)
+# Files cut by another program while pictures are drawn of them.
+add_test(NAME cut_files COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/cut_files_test.py
+  ${PROJECT_SOURCE_DIR}/host/plots)
+set_tests_properties(cut_files PROPERTIES LABELS fast)

@@ -135,11 +135,10 @@ void Cube::read(std::int64_t first_line, std::int64_t lines, Pixels& out) const 
   }
 }
 
-std::shared_ptr<const float> Cube::mapped() const {
+bool Cube::plain_floats() const {
   const products::EnviHeader& h = header();
-  const bool plain = h.data_gain.empty() && h.data_offset.empty() && !h.reflectance_scale_factor &&
-                     bands() == static_cast<std::size_t>(h.bands);
-  return plain ? reader_.map_floats() : nullptr;
+  return h.data_gain.empty() && h.data_offset.empty() && !h.reflectance_scale_factor &&
+         bands() == static_cast<std::size_t>(h.bands) && reader_.holds_plain_floats();
 }
 
 std::vector<PartRange> parts_of(const Cube& cube, int most) {

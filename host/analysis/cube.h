@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -50,9 +49,12 @@ class Cube {
 
   /// Stored numbers times data gain plus data offset, over the reflectance scale factor.
   void read(std::int64_t first_line, std::int64_t lines, Pixels& out) const;
-  /// All numbers where they lie in the file, [pixel][band], where they need no more than that; else null
-  /// (EnviReader::map_floats).
-  std::shared_ptr<const float> mapped() const;
+  /// Whether the numbers are used as they lie in the file, all bands of a pixel together.
+  bool plain_floats() const;
+  /// Of such a cube: numbers of `count` pixels from number `first_pixel` on, [pixel][band].
+  void read_floats(std::size_t first_pixel, std::size_t count, float* out) const {
+    reader_.read_floats(first_pixel, count, out);
+  }
   /// Lines that are read at once: some megabytes.
   std::int64_t lines_at_once() const;
 

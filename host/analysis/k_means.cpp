@@ -28,11 +28,14 @@ constexpr std::size_t kSketched = 8;  ///< directions in which a pixel is known 
 constexpr std::size_t kSomePixels = 20000;
 constexpr std::uint16_t kNone = 0xffff;
 
-/// A cube that is gone through again and again: where its numbers lie in the file as they are used, there; else read
-/// anew each time.
+constexpr std::size_t kBlockBytes = 1 << 18;  ///< of a cube's floats that are looked at together
+constexpr std::size_t kGapBytes = 1 << 14;    ///< between pixels that are asked for: shorter ones are read too
+
+/// A cube that is gone through again and again. Where its numbers are used as they lie in the file, only those pixels
+/// are read that are asked for, and what lies between them.
 class Rounds {
  public:
-  Rounds(const Cube& cube, const Pass& pass) : cube_(cube), pass_(pass), mapped_(cube.mapped()) {
+  Rounds(const Cube& cube, const Pass& pass) : cube_(cube), pass_(pass) {
     counts_.resize(cube.pixels());
     for_each_part(cube, pass, [&](std::size_t, const Pixels& pixels) {
       const auto first = static_cast<std::ptrdiff_t>(pixels.first_line * pixels.samples);
@@ -40,10 +43,11 @@ class Rounds {
     });
   }
 
-  /// work(part, number of the pixel, its values, floats or doubles) for each that counts and is asked for.
+  /// work(part, number of the pixel, its values, floats or doubles) for each that counts and is asked for. What a pixel
+  /// is asked for by must not hang on the work done for another.
   template <class Asks, class Work>
   void each(const Asks& asks, const Work& work) const {
-    if (!mapped_) {
+    if (!cube_.plain_floats()) {
       for_each_part(cube_, pass_, [&](std::size_t part, const Pixels& pixels) {
         const auto first = static_cast<std::size_t>(pixels.first_line * pixels.samples);
         for (std::size_t p = 0; p < pixels.count(); ++p)
@@ -52,12 +56,13 @@ class Rounds {
       return;
     }
     const std::vector<PartRange> parts = parts_of(cube_);
+    const auto samples = static_cast<std::size_t>(cube_.samples());
+    const std::size_t block = std::max<std::size_t>(1, kBlockBytes / (sizeof(float) * cube_.bands()));
     base::for_each_index(parts.size(), pass_.threads, [&](std::size_t part) {
-      const auto samples = static_cast<std::size_t>(cube_.samples());
-      for (auto line = parts[part].first_line; line < parts[part].end_line; ++line) {
-        const auto first = static_cast<std::size_t>(line) * samples;
-        for (std::size_t p = first; p < first + samples; ++p)
-          if (counts_[p] && asks(part, p)) work(part, p, mapped_.get() + p * cube_.bands());
+      const std::size_t end = static_cast<std::size_t>(parts[part].end_line) * samples;
+      for (std::size_t p = static_cast<std::size_t>(parts[part].first_line) * samples; p < end; p += block) {
+        base::throw_if_interrupted();
+        each_of_block(part, p, std::min(p + block, end), asks, work);
       }
     });
   }
@@ -68,9 +73,26 @@ class Rounds {
   const Cube& cube() const { return cube_; }
 
  private:
+  /// Pixels `first` to `end`, read in runs that no long gap parts.
+  template <class Asks, class Work>
+  void each_of_block(std::size_t part, std::size_t first, std::size_t end, const Asks& asks, const Work& work) const {
+    thread_local std::vector<std::size_t> asked;
+    thread_local std::vector<float> value;
+    asked.clear();
+    for (std::size_t p = first; p < end; ++p)
+      if (counts_[p] && asks(part, p)) asked.push_back(p);
+    const std::size_t bands = cube_.bands(), gap = 1 + kGapBytes / (sizeof(float) * bands);
+    for (std::size_t i = 0, next = 0; i < asked.size(); i = next) {
+      for (next = i + 1; next < asked.size() && asked[next] - asked[next - 1] <= gap;) ++next;
+      const std::size_t count = asked[next - 1] - asked[i] + 1;
+      value.resize(std::max(value.size(), count * bands));
+      cube_.read_floats(asked[i], count, value.data());
+      for (std::size_t j = i; j < next; ++j) work(part, asked[j], value.data() + (asked[j] - asked[i]) * bands);
+    }
+  }
+
   const Cube& cube_;
   const Pass& pass_;
-  std::shared_ptr<const float> mapped_;
   std::vector<std::uint8_t> counts_;
 };
 

@@ -28,11 +28,45 @@ def limits_of(values):
     return max(low - margin, np.nanmin(values)), min(high + margin, np.nanmax(values))
 
 
+class Rows:
+    """Rows of an array that lies in a file, read when they are asked for. A file that is cut meanwhile is an error; a
+    mapped one would end the program."""
+
+    AT_ONCE = 1 << 24  # bytes
+
+    def __init__(self, path, row, start, count):
+        self.path, self.row, self.start, self.count = path, row, start, count
+
+    def __len__(self):
+        return self.count
+
+    def read(self, first, count):
+        with open(self.path, "rb") as file:
+            file.seek(self.start + first * self.row.itemsize)
+            rows = np.fromfile(file, self.row, count)
+        if len(rows) < count:
+            needed = self.start + self.count * self.row.itemsize
+            found = pathlib.Path(self.path).stat().st_size
+            sys.exit(f"{self.path}: was cut while it was read: {needed} bytes expected (found {found})")
+        return rows
+
+    def __getitem__(self, which):
+        if not isinstance(which, slice):
+            return self.read(which, 1)[0]
+        first, end, step = which.indices(self.count)
+        out = np.empty(len(range(first, end, step)), self.row)
+        block = max(1, self.AT_ONCE // (self.row.itemsize * step))
+        for at in range(0, len(out), block):
+            begin = first + at * step
+            out[at : at + block] = self.read(begin, min(block * step, end - begin))[::step]
+        return out
+
+
 class Points:
-    """A LAS 1.4 file of format 6 or 9, mapped; fields by name, coordinates in metres."""
+    """A LAS 1.4 file of format 6 or 9; fields by name, coordinates in metres."""
 
     def __init__(self, path):
-        raw = np.memmap(path, np.uint8, "r")
+        raw = Rows(path, np.dtype("u1"), 0, pathlib.Path(path).stat().st_size)
         head = bytes(raw[:375])
         header_bytes, start, records, form, record_bytes = struct.unpack_from("<HIIBH", head, 94)
         self.scale, self.offset = struct.unpack_from("<3d", head, 131), struct.unpack_from("<3d", head, 155)
@@ -67,11 +101,7 @@ class Points:
                     fields.append((extra[e + 4 : e + 36].split(b"\0")[0].decode(), "<" + TYPES[extra[e + 2]]))
             at += 54 + length
         assert np.dtype(fields).itemsize == record_bytes, (np.dtype(fields), record_bytes)
-        self.records = (
-            np.memmap(path, np.dtype(fields), "r", start, (self.count,))
-            if self.count
-            else np.empty(0, np.dtype(fields))
-        )
+        self.records = Rows(path, np.dtype(fields), start, self.count)
 
     def xyz(self, records):
         return [records[name] * self.scale[i] + self.offset[i] for i, name in enumerate("XYZ")]
@@ -95,13 +125,13 @@ def read_header(path):
 def waveforms(figures, path):
     header = read_header(figures["cube_header"])
     lines, bins, names = int(header["lines"]), int(header["samples"]), header["band names"]
-    cube = np.memmap(figures["cube"], "<f4", "r", 0, (lines, len(names), bins))
+    cube = Rows(figures["cube"], np.dtype(("<f4", (len(names), bins))), 0, lines)
     metres = LIGHT_M_NS / 2 / float(header["raycube group index"])
     start, width = float(header["raycube bin start ns"]), float(header["raycube bin width ns"])
     range_m = (start + (np.arange(bins) + 0.5) * width) * metres
     efficiency = figures.get("quantum_efficiency", 1.0)
     some = np.unique(np.random.default_rng(1).integers(0, lines, min(200, 4 * lines)))
-    sums = np.array([cube[line, 0] for line in some], dtype=float)
+    sums = np.array([cube[line][0] for line in some], dtype=float)
     peaks = sums.max(axis=1)
     lit = np.flatnonzero(peaks > 0)
     if len(lit) == 0:
@@ -347,4 +377,5 @@ def main():
         cloud(figures, points, pictures["points.png"])
 
 
-main()
+if __name__ == "__main__":
+    main()

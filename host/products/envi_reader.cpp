@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -113,13 +112,22 @@ struct EnviReader::State {
     if (fd >= 0) ::close(fd);
   }
 
+  Error was_cut() const {
+    struct stat now {};
+    ::fstat(fd, &now);
+    return Error(Fault::environment,
+                 fmt::format("{}: was cut while it was read: its header describes {} bytes (found {}); let the program "
+                             "that writes it end, or copy the file again",
+                             paths.data, header.header_offset + header.data_bytes(), now.st_size));
+  }
   void read_at(std::uint64_t offset, unsigned char* out, std::size_t bytes) const {
     while (bytes > 0) {
       const ssize_t got = ::pread(fd, out, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
       if (got < 0 && errno == EINTR) continue;
-      if (got <= 0)
-        throw Error(Fault::environment, fmt::format("{}: reading failed at byte {}: {}", paths.data, offset,
-                                                    got < 0 ? std::strerror(errno) : "the file has become shorter"));
+      if (got < 0)
+        throw Error(Fault::environment,
+                    fmt::format("{}: reading failed at byte {}: {}", paths.data, offset, std::strerror(errno)));
+      if (got == 0) throw was_cut();
       out += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
     }
   }
@@ -210,16 +218,17 @@ void EnviReader::read_bands(std::int64_t first, std::int64_t count, std::span<co
                    bip ? bands * bytes : bytes, samples, out.data() + l * samples * pixel + k * parts);
 }
 
-std::shared_ptr<const float> EnviReader::map_floats() const {
-  const State& s = *state_;
-  const EnviHeader& h = s.header;
+bool EnviReader::holds_plain_floats() const {
+  const EnviHeader& h = state_->header;
   const bool native = (h.byte_order == 1) == (std::endian::native == std::endian::big);
-  if (h.data_type != 4 || h.interleave != Interleave::bip || !native || h.header_offset % sizeof(float) != 0) return {};
-  const std::size_t bytes = static_cast<std::size_t>(h.header_offset + h.data_bytes());
-  void* const start = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, s.fd, 0);
-  if (start == MAP_FAILED) return {};
-  const auto* const first = reinterpret_cast<const float*>(static_cast<const unsigned char*>(start) + h.header_offset);
-  return {first, [start, bytes](const float*) { ::munmap(start, bytes); }};
+  return h.data_type == 4 && h.interleave == Interleave::bip && native;
+}
+
+void EnviReader::read_floats(std::uint64_t first_pixel, std::size_t count, float* out) const {
+  const State& s = *state_;
+  const std::size_t pixel_bytes = static_cast<std::size_t>(s.header.bands) * sizeof(float);
+  s.read_at(s.header.header_offset + first_pixel * pixel_bytes, reinterpret_cast<unsigned char*>(out),
+            count * pixel_bytes);
 }
 
 std::vector<double> EnviReader::read_lines_scaled(std::int64_t first, std::int64_t count) const {

@@ -42,10 +42,11 @@ class EnviReader {
   /// is made as large as they are. Threads may read at once.
   void read_bands(std::int64_t first, std::int64_t count, std::span<const std::size_t> bands,
                   std::vector<double>& out) const;
-  /// The numbers where they lie, [line][sample][band], for files that are floats of this machine's byte order pixel by
-  /// pixel and not shifted off their alignment; else null. Valid while the pointer is held; a file that becomes shorter
-  /// meanwhile ends the program.
-  std::shared_ptr<const float> map_floats() const;
+  /// Whether the file holds floats of this machine's byte order, pixel by pixel, as read_floats() hands them out.
+  bool holds_plain_floats() const;
+  /// Numbers of `count` pixels, counted line by line from 0, of a file that holds plain floats: [pixel][band]. Threads
+  /// may read at once. (The file is not mapped: a mapped file that is cut meanwhile ends the program.)
+  void read_floats(std::uint64_t first_pixel, std::size_t count, float* out) const;
   /// read_lines() times data gain plus data offset, where the header has them.
   std::vector<double> read_lines_scaled(std::int64_t first, std::int64_t count) const;
   /// Stored numbers of one pixel.
