@@ -16,7 +16,7 @@ namespace raycube::base {
 /// work goes on. A SIGCHLD that the caller ignored is heard again, else no child could be waited for.
 void install_signal_handlers();
 
-/// Unlinks the registered temporaries. Safe in a signal handler.
+/// Removes the registered temporaries. Safe in a signal handler.
 void remove_temporaries() noexcept;
 
 /// Removes the registered temporaries, prints `message` and ends the process, running nothing else. Safe in a signal
@@ -47,11 +47,12 @@ bool is_helper() noexcept;
 /// Forgets an interrupt (tests).
 void clear_interrupt() noexcept;
 
-/// While it lives, the second signal unlinks `path`. Up to 64 at a time; further ones are left to their owner's
-/// destructor.
+/// While it lives, the second signal removes `path`: a file; a folder of ours alone with all that is in it; or a folder
+/// if nothing is left in it. Up to 64 at a time; further ones are left to their owner's destructor.
 class TemporaryPath {
  public:
-  explicit TemporaryPath(const std::string& path) noexcept;
+  enum class Kind { file, folder, empty_folder };
+  explicit TemporaryPath(const std::string& path, Kind kind = Kind::file) noexcept;
   ~TemporaryPath();
   TemporaryPath(const TemporaryPath&) = delete;
   TemporaryPath& operator=(const TemporaryPath&) = delete;

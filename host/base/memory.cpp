@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fstream>
 
+#include <sys/resource.h>
+
 #include <fmt/format.h>
 
 #include "host/base/error.h"
@@ -55,6 +57,18 @@ std::string format_bytes(std::uint64_t bytes) {
   int unit = 0;
   while (value >= 999.5 && unit < 5) value /= 1024, ++unit;
   return fmt::format("{:.3g} {}", value, kUnits[unit]);
+}
+
+std::uint64_t address_space_limit_bytes() noexcept {
+  rlimit space{};
+  if (::getrlimit(RLIMIT_AS, &space) != 0 || space.rlim_cur == RLIM_INFINITY) return 0;
+  return space.rlim_cur;
+}
+
+std::string address_space_text() {
+  const std::uint64_t limit = address_space_limit_bytes();
+  if (limit == 0) return "";
+  return "; this process may take " + format_bytes(limit) + " of address space (ulimit -v)";
 }
 
 std::uint64_t peak_resident_bytes() {

@@ -47,14 +47,6 @@ bool present(const std::string& path) {
   return ::lstat(path.c_str(), &status) == 0;
 }
 
-/// Makes the folder and its parents.
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (code) throw failed(folder.string(), "the folder cannot be made", code.value());
-  if (!fs::is_directory(folder, code)) throw failed(folder.string(), "is not a folder", ENOTDIR);
-}
-
 /// Place of the six characters that mkostemp() put at the end of `.NAME.raycube-XXXXXX`; npos: no such name.
 std::size_t mark_of(const std::string& name) {
   const std::size_t at = name.rfind(kMark);
@@ -103,9 +95,26 @@ void sync_folder(const std::string& folder) {
   ::close(fd);
 }
 
+MadeFolders::MadeFolders(const std::string& folder) {
+  std::error_code code;
+  for (fs::path at = fs::path(folder); !at.empty() && !fs::exists(at, code); at = at.parent_path())
+    if (at.has_filename()) paths_.insert(paths_.begin(), at.string());
+  fs::create_directories(folder, code);
+  if (code) throw failed(folder, "the folder cannot be made", code.value());
+  if (!fs::is_directory(folder, code)) throw failed(folder, "is not a folder", ENOTDIR);
+  for (const std::string& path : paths_)
+    guards_.push_back(std::make_unique<TemporaryPath>(path, TemporaryPath::Kind::empty_folder));
+}
+
+MadeFolders::~MadeFolders() {
+  guards_.clear();
+  for (auto path = paths_.rbegin(); path != paths_.rend(); ++path) ::rmdir(path->c_str());
+}
+
 struct OutputFile::State {
   std::string final_path, temporary_path;
   fs::path folder;
+  std::optional<MadeFolders> made;
   IfExists if_exists = IfExists::refuse;
   int fd = -1;
   std::uint64_t appended = 0;
@@ -140,7 +149,7 @@ OutputFile::OutputFile(const std::string& final_path, IfExists if_exists) : stat
   const std::string name = path.filename().string();
   if (name.empty() || name == "." || name == "..") throw Error(Fault::input, final_path + ": is not a file name");
   s.folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  make_folder(s.folder);
+  s.made.emplace(s.folder.string());
   finish_publication(s.folder.string(), FolderUse::write_file);
   if (present(final_path)) {
     std::error_code code;
@@ -273,8 +282,8 @@ void OutputFile::hand_over() {
   state_->guard.reset();
 }
 
-OutputSet::OutputSet(const std::string& folder, IfExists if_exists) : folder_(folder), if_exists_(if_exists) {
-  make_folder(folder);
+OutputSet::OutputSet(const std::string& folder, IfExists if_exists)
+    : folder_(folder), made_(folder), if_exists_(if_exists) {
   lock_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ < 0) throw failed(folder, "the folder cannot be opened", errno);
   // File systems without locks: the names themselves still refuse each other.

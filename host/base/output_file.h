@@ -19,6 +19,21 @@ enum class IfExists { refuse, replace };
 /// Has a folder's renames reach the disk, where its file system can.
 void sync_folder(const std::string& folder);
 
+class TemporaryPath;
+
+/// A folder for output, with its parents. Those that were not there go again, by a signal too, when nothing is in them.
+class MadeFolders {
+ public:
+  explicit MadeFolders(const std::string& folder);
+  ~MadeFolders();
+  MadeFolders(const MadeFolders&) = delete;
+  MadeFolders& operator=(const MadeFolders&) = delete;
+
+ private:
+  std::vector<std::string> paths_;  ///< outer ones first
+  std::vector<std::unique_ptr<TemporaryPath>> guards_;
+};
+
 /// One file under its temporary name `.NAME.raycube-XXXXXX` in the final folder, which is made when missing. Not
 /// copyable; the destructor removes the temporary unless publish() has been called. Every failure is Error(environment)
 /// that names the final path and the system's reason, except a file that is there already: Error(input).
@@ -89,6 +104,7 @@ class OutputSet {
 
  private:
   std::string folder_;
+  MadeFolders made_;
   IfExists if_exists_;
   int lock_ = -1;
   bool hashed_ = false;

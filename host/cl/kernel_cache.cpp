@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <vector>
@@ -48,9 +49,10 @@ constexpr const char* kPrivatePrefix = "raycube-kernels-";
 /// The cache of this process. It is never destroyed: threads of drivers outlive static objects.
 struct Cache {
   std::once_flag prepared;
-  fs::path store;      ///< what is kept; empty: nothing
-  fs::path installed;  ///< what came with the program; empty: nothing
-  fs::path driver;     ///< POCL_CACHE_DIR
+  fs::path store;                                ///< what is kept; empty: nothing
+  fs::path installed;                            ///< what came with the program; empty: nothing
+  fs::path driver;                               ///< POCL_CACHE_DIR
+  std::optional<base::TemporaryPath> temporary;  ///< the same, where it is ours
   bool ours = false;
   pid_t process = 0;  ///< whose folder it is: a child that ends takes nothing away
   std::function<void(Level, const std::string&)> notices;
@@ -198,6 +200,7 @@ void prepare(Cache& c) {
   }
   c.ours = true;
   c.process = ::getpid();
+  c.temporary.emplace(c.driver.string(), base::TemporaryPath::Kind::folder);
   ::setenv("POCL_CACHE_DIR", c.driver.c_str(), 1);
 }
 
