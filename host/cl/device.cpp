@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/cl/driver_search.h"
 #include "host/cl/kernel_cache.h"
 #include "host/cl/status.h"
 
@@ -116,10 +117,7 @@ std::vector<Device> list_devices() {
     check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, here, ids.data(), nullptr), "clGetDeviceIDs", "");
     for (cl_device_id id : ids) devices.emplace_back(id);
   }
-  if (devices.empty())
-    throw Error(
-        Fault::device,
-        "no OpenCL device found; install a driver (on Debian: apt-get install pocl-opencl-icd) and look at clinfo");
+  if (devices.empty()) throw no_device_error();
   return devices;
 }
 

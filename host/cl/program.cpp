@@ -2,9 +2,12 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <new>
 
 #include "host/base/doing.h"
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
+#include "host/base/memory.h"
 #include "host/cl/status.h"
 
 namespace raycube::cl {
@@ -22,6 +25,19 @@ void log_program(const std::string& name, const KeptKernels& kept, const std::st
   std::ofstream(file, std::ios::app) << name + "\t" + kept.hash() + "\t" + (kept.found() ? "kept" : "compiled") + "\t" +
                                             options + "\n"
                                      << std::flush;
+}
+
+/// A call of the driver's compiler. What it throws for want of memory comes through the driver, whose locks stay held:
+/// nothing of it can be given back, and the process ends here.
+template <class Call>
+cl_int with_memory(const std::string& name, const Call& call) {
+  try {
+    return call();
+  } catch (const std::bad_alloc&) {
+    base::leave_at_once(
+        "the OpenCL driver ran out of memory while it built '" + name + "'" + base::address_space_text(),
+        base::Fault::environment);
+  }
 }
 
 }  // namespace
@@ -44,20 +60,29 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
   kept_ = std::make_unique<KeptKernels>(key);
   log_program(name, *kept_, asked);
   const DriverWork work;
+  build_any(context, source, asked);
+}
+
+void Program::build_any(const Context& context, std::string_view source, const std::string& asked) {
+  const DeviceInfo& on = context.device().info();
   bool of_code = build(created_of_code(context), asked) == CL_SUCCESS;
   if (!of_code && on.platform == kPocl && kept_->can_take_code()) {
     const Built front = created_of_source(context, source);
-    if (clCompileProgram(front(), 1, &device_, asked.c_str(), 0, nullptr, nullptr, nullptr, nullptr) == CL_SUCCESS)
-      kept_->take_code();
+    const auto compile = [&] {
+      return clCompileProgram(front(), 1, &device_, asked.c_str(), 0, nullptr, nullptr, nullptr, nullptr);
+    };
+    if (with_memory(name_, compile) == CL_SUCCESS) kept_->take_code();
     of_code = build(created_of_code(context), asked) == CL_SUCCESS;
   }
   if (!of_code) {
     const cl_int status = build(created_of_source(context, source), asked);
     if (status != CL_SUCCESS) blame_full_disk();
-    if (status != CL_SUCCESS)
-      throw base::Error(base::Fault::device, "OpenCL: clBuildProgram of '" + name + "' failed with " +
-                                                 status_name(status) + " on device '" + device_name_ + "', options '" +
-                                                 asked + "':\n" + log_);
+    if (status != CL_SUCCESS) {
+      const std::string limit = base::address_space_text();
+      throw base::Error(limit.empty() ? base::Fault::device : base::Fault::environment,
+                        "OpenCL: clBuildProgram of '" + name_ + "' failed with " + status_name(status) +
+                            " on device '" + device_name_ + "', options '" + asked + "'" + limit + ":\n" + log_);
+    }
   }
   kept_->built(of_code);
 }
@@ -83,7 +108,8 @@ Program::Built Program::created_of_code(const Context& context) const {
 
 cl_int Program::build(Built made, const std::string& asked) {
   if (!made) return CL_INVALID_PROGRAM;
-  const cl_int status = clBuildProgram(made(), 1, &device_, asked.c_str(), nullptr, nullptr);
+  const cl_int status =
+      with_memory(name_, [&] { return clBuildProgram(made(), 1, &device_, asked.c_str(), nullptr, nullptr); });
   std::size_t size = 0;
   if (clGetProgramBuildInfo(made(), device_, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) == CL_SUCCESS && size > 1) {
     log_.resize(size);

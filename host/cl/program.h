@@ -12,9 +12,7 @@
 namespace raycube::cl {
 
 /// The build option that gives a program a number by name.
-std::string define(const char* name, auto value) {
-  return " -D" + std::string(name) + "=" + std::to_string(value);
-}
+std::string define(const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
 
 class Program {
  public:
@@ -39,6 +37,8 @@ class Program {
   Built created_of_source(const Context& context, std::string_view source) const;
   /// Of the intermediate code that is kept; empty where there is none or the device does not take it.
   Built created_of_code(const Context& context) const;
+  /// Of the intermediate code where there is some or some can be made, else of the source.
+  void build_any(const Context& context, std::string_view source, const std::string& asked);
   /// Builds `made` and, if that succeeds, makes it the program. What the compiler said is in the log.
   cl_int build(Built made, const std::string& asked);
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "host/base/error.h"
+#include "host/base/memory.h"
 
 namespace raycube::cl {
 namespace {
@@ -64,8 +65,12 @@ std::string status_name(cl_int status) {
 
 void check(cl_int status, const std::string& call, const std::string& device) {
   if (status == CL_SUCCESS) return;
-  throw base::Error(base::Fault::device, "OpenCL: " + call + " failed with " + status_name(status) +
-                                             (device.empty() ? "" : " on device '" + device + "'"));
+  const bool memory =
+      status == CL_OUT_OF_HOST_MEMORY || status == CL_OUT_OF_RESOURCES || status == CL_MEM_OBJECT_ALLOCATION_FAILURE;
+  const std::string limit = memory ? base::address_space_text() : "";
+  throw base::Error(limit.empty() ? base::Fault::device : base::Fault::environment,
+                    "OpenCL: " + call + " failed with " + status_name(status) +
+                        (device.empty() ? "" : " on device '" + device + "'") + limit);
 }
 
 }  // namespace raycube::cl

@@ -14,6 +14,7 @@
 #include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
+#include "host/base/memory.h"
 #include "host/cl/kernel_cache.h"
 #include "host/base/standard_streams.h"
 #include "host/cli/parser.h"
@@ -92,7 +93,7 @@ int main(int argc, char** argv) {
     return report(log.get(), error.exit_status(), error.what());
   } catch (const std::bad_alloc&) {
     return report(log.get(), static_cast<int>(Fault::environment),
-                  "not enough memory; a smaller --memory or image needs less");
+                  "not enough memory; a smaller --memory or image needs less" + raycube::base::address_space_text());
   } catch (const std::exception& failure) {
     return report(log.get(), static_cast<int>(Fault::bug),
                   std::string("our bug, please report it with the command and its input: ") + failure.what());

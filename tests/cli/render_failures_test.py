@@ -5,6 +5,7 @@ usage: render_failures_test.py RAYCUBE"""
 
 import os
 import pathlib
+import resource
 import signal
 import sys
 import tempfile
@@ -48,6 +49,25 @@ with tempfile.TemporaryDirectory() as work:
         says=["no OpenCL device", "pocl-opencl-icd"],
         env={"OCL_ICD_VENDORS": "/nonexistent"},
     )
+    # A driver that is there and cannot be loaded: what the loader says of it, as an error of the environment.
+    (work / "vendors").mkdir()
+    (work / "vendors/broken.icd").write_text("/nonexistent/libbroken.so\n")
+    before = set(files(work))
+    says = ["no OpenCL device", "broken.icd names /nonexistent/libbroken.so", "No such file or directory"]
+    vendors = {"OCL_ICD_VENDORS": str(work / "vendors")}
+    refused("render", tiny, "-o", work / "o", status=3, says=says, messages=2, env=vendors)
+    if "pocl" in run("devices", "--json").stdout.lower():
+        little = 200 << 20  # its compiler's library alone is larger
+        refused(
+            "render",
+            tiny,
+            "-o",
+            work / "o",
+            status=3,
+            says=["no OpenCL device", "200 MiB of address space (ulimit -v)", "cannot be loaded: "],
+            messages=2,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (little, little)),
+        )
     check(set(files(work)) == before and not (work / "o").exists())
 
     # Too little memory: the error names the need, and that much is enough.
@@ -57,7 +77,8 @@ with tempfile.TemporaryDirectory() as work:
     need = int(done.stderr.split("need ")[1].split(" bytes")[0])
     check(set(files(work)) == before)
     refused("render", tiny, "-o", work / "o", "--memory", str(need - 1), status=2, says=[f"need {need} bytes"])
-    run("render", tiny, "-o", work / "o", "--memory", str(need))
+    done = run("render", tiny, "-o", work / "o", "--memory", str(need), "--log", "/dev/full")
+    check(done.stderr.count("--log /dev/full: cannot be written") == 1, done.stderr)
     digest = record(work / "o" / "camera")["digest"]
 
     # What is there stays as it is unless --overwrite is given.
@@ -143,6 +164,20 @@ with tempfile.TemporaryDirectory() as work:
         ):
             check(part in err, part, err)
         check(not any(".img." in path.name for path in files(work / "fault")), files(work / "fault"))
+
+    # No linker: the driver gives up in the middle of a kernel, and that is not for a damaged cache.
+    if "pocl" in run("devices", "--json").stdout.lower():
+        (work / "empty").mkdir()
+        refused(
+            "render",
+            tiny,
+            "-o",
+            work / "unlinked",
+            status=3,
+            says=["links kernels by the program 'ld'", "PATH", "binutils"],
+            env={"POCL_CACHE_DIR": str(work / "empty"), "PATH": str(work / "empty")},
+        )
+        check(files(work / "unlinked") == [])
 
     # A damaged kernel cache: the driver gives up, the program says so with the way out. An empty cache is no damage.
     cache = work / "cache"
