@@ -1,14 +1,16 @@
 #include "host/base/log.h"
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
 
+#include <fcntl.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -66,7 +68,29 @@ struct Log::State {
   bool terminal = false;
   std::mutex mutex;
   std::string status;
-  std::shared_ptr<spdlog::logger> people, programs;
+  std::shared_ptr<spdlog::logger> people;
+  int programs = -1;  ///< descriptor of the JSON file
+  bool lost = false;  ///< a line of it, which was told
+
+  /// Told once, however quiet the program is to be: whoever reads the file cannot see what is not in it.
+  void write_line(const OrderedJson& line) {
+    const std::string text = line.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+    int code = 0;
+    for (std::size_t done = 0; done < text.size() && code == 0;) {
+      const ssize_t written = ::write(programs, text.data() + done, text.size() - done);
+      if (written > 0)
+        done += static_cast<std::size_t>(written);
+      else if (written == 0 || errno != EINTR)
+        code = written == 0 ? ENOSPC : errno;
+    }
+    if (code == 0 || lost) return;
+    lost = true;
+    clear_status();
+    people->log(spdlog::level::info, for_people(Level::warning, "--log " + options.json_file +
+                                                                    ": cannot be written: " + std::strerror(code) +
+                                                                    "; lines of the log are lost, the run goes on"));
+    draw_status();
+  }
 
   void clear_status() {
     if (!status.empty()) std::fputs("\r\033[K", stderr);
@@ -86,19 +110,16 @@ Log::Log(const LogOptions& options) : state_(std::make_unique<State>()) {
   state_->people->set_level(spdlog::level::trace);
   state_->people->flush_on(spdlog::level::trace);
   if (options.json_file.empty()) return;
-  try {
-    state_->programs = std::make_shared<spdlog::logger>(
-        "json", std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.json_file, /*truncate=*/false));
-  } catch (const spdlog::spdlog_ex& failure) {
-    throw Error(Fault::environment, "--log " + options.json_file + ": cannot be opened: " + failure.what() +
+  state_->programs = ::open(options.json_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (state_->programs < 0)
+    throw Error(Fault::environment, "--log " + options.json_file + ": cannot be opened: " + std::strerror(errno) +
                                         "; name a file in a folder you may write to");
-  }
-  state_->programs->set_pattern("%v");
-  state_->programs->set_level(spdlog::level::trace);
-  state_->programs->flush_on(spdlog::level::trace);
 }
 
-Log::~Log() { set_status(""); }
+Log::~Log() {
+  set_status("");
+  if (state_->programs >= 0) ::close(state_->programs);
+}
 
 bool Log::shows(Level level) const {
   return static_cast<int>(level) <= static_cast<int>(Level::info) + state_->options.verbosity;
@@ -117,18 +138,15 @@ void Log::message(Level level, const std::string& text) {
     state_->people->log(spdlog::level::info, for_people(level, text));
     state_->draw_status();
   }
-  if (state_->programs) {
-    const OrderedJson line = {{"time", utc_now()}, {"level", name_of(level)}, {"message", text}};
-    state_->programs->log(spdlog::level::info, line.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
-  }
+  if (state_->programs >= 0) state_->write_line({{"time", utc_now()}, {"level", name_of(level)}, {"message", text}});
 }
 
 void Log::event(const std::string& name, const std::vector<std::pair<std::string, double>>& values) {
-  if (!state_->programs) return;
+  if (state_->programs < 0) return;
   OrderedJson line = {{"time", utc_now()}, {"event", name}};
   for (const auto& [key, value] : values) line[key] = value;
   const std::lock_guard lock(state_->mutex);
-  state_->programs->log(spdlog::level::info, line.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
+  state_->write_line(line);
 }
 
 void Log::set_status(const std::string& line) {

@@ -188,6 +188,11 @@ with tempfile.TemporaryDirectory() as folder:
     check(not [p for p in (folder / "limited").glob("*")] and not [p for p in (folder / "limited").glob(".*")])
     with open("/dev/full", "w") as full:
         one_error(run("--json-usage", stdout=full, status=3), "stdout")
+    # A log that cannot be written: told once, however quiet, and the run goes on.
+    for quiet in ([], ["-q", "-q"]):
+        done = run("scene", "check", folder / "none.toml", "--log", "/dev/full", *quiet, status=2)
+        check(done.stderr.count("--log /dev/full: cannot be written: No space left on device") == 1, done.stderr)
+        check("none.toml" in done.stderr, done.stderr)
     one_error(run("devices", status=4, env={"OCL_ICD_VENDORS": "/nonexistent"}), "no OpenCL device")
 
 devices = json.loads(run("devices", "--json").stdout)["devices"]
