@@ -1,5 +1,7 @@
 #include "host/analysis/orthorectify.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -7,9 +9,11 @@
 
 #include <fmt/format.h>
 
+#include "host/analysis/impossible_places.h"
 #include "host/base/error.h"
 #include "host/base/gdal_library.h"
 #include "host/base/interrupt.h"
+#include "host/base/memory.h"
 #include "host/products/envi_reader.h"
 #include "host/products/envi_writer.h"
 #include "host/products/geolocated_vrt.h"
@@ -53,10 +57,20 @@ Places places_of(const std::string& image, const products::EnviHeader& header) {
     throw Error(Fault::input, beside.string() + ": its header names no EPSG system; render again with this raycube");
   // GDAL makes no map of places that are no numbers.
   const products::EnviReader reader(beside.string());
-  std::int64_t past = 0;
-  for (std::int64_t l = 0; l < location.lines; ++l) {
+  if (reader.values_per_pixel() < 2)
+    throw Error(Fault::input, fmt::format("{}: has {} bands, and easting and northing are wanted; render again",
+                                          beside.string(), location.bands));
+  const auto places = [&](std::int64_t l, std::vector<std::array<double, 2>>& out) {
     const std::vector<double> line = reader.read_lines(l, 1);
-    for (std::size_t s = 0; s < line.size(); s += 3) past += !std::isfinite(line[s]) || !std::isfinite(line[s + 1]);
+    out.clear();
+    for (std::size_t i = 0; i < line.size(); i += reader.values_per_pixel()) out.push_back({line[i], line[i + 1]});
+  };
+  refuse_impossible_places(beside.string(), location.lines, places);
+  std::int64_t past = 0;
+  std::vector<std::array<double, 2>> line;
+  for (std::int64_t l = 0; l < location.lines; ++l) {
+    places(l, line);
+    for (const auto& place : line) past += !std::isfinite(place[0]) || !std::isfinite(place[1]);
   }
   if (past > 0)
     throw Error(Fault::input,
@@ -103,6 +117,20 @@ GdalDataset warped(const OrthoRequest& request, const GdalDataset& source, const
   return out;
 }
 
+/// A map that takes a thousand times what the image does is none that anybody wants.
+void refuse_vast_map(const Ortho& map, const products::EnviHeader& image, const std::string& places) {
+  constexpr double kMostTimes = 1000, kAlways_bytes = 1 << 30;
+  const double bytes = 4.0 * static_cast<double>(map.samples) * static_cast<double>(map.lines) *
+                       static_cast<double>(map.bands),
+               of_image = 4.0 * static_cast<double>(image.samples * image.lines) * static_cast<double>(image.bands);
+  if (bytes <= std::max(kAlways_bytes, kMostTimes * of_image)) return;
+  throw Error(Fault::input,
+              fmt::format("{}: spreads {} x {} pixels over a map of {} x {} (pixels of {:.3g} m, {}); give a larger "
+                          "--pixel, or render again if the file is damaged",
+                          places, image.samples, image.lines, map.samples, map.lines, map.pixel_m,
+                          base::format_bytes(static_cast<std::uint64_t>(bytes))));
+}
+
 }  // namespace
 
 Ortho orthorectify(const OrthoRequest& request, const std::function<base::OutputSet&()>& set) {
@@ -124,6 +152,7 @@ Ortho orthorectify(const OrthoRequest& request, const std::function<base::Output
             corner[3],
             corner[1],
             places.epsg};
+  refuse_vast_map(out, header, places.file);
 
   header.samples = out.samples, header.lines = out.lines;
   header.interleave = products::Interleave::bip;

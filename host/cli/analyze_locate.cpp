@@ -1,12 +1,15 @@
 // raycube analyze locate: where the pixels of one image lie in another, by the truth of both.
+#include <array>
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "host/analysis/ground_match.h"
+#include "host/analysis/impossible_places.h"
 #include "host/base/error.h"
 #include "host/cli/analyze_kit.h"
 #include "host/cli/analyze_verbs.h"
@@ -23,7 +26,14 @@ analysis::Cube places_of(const Invocation& invocation, const std::string& path) 
   const auto layers = analysis::place_layers(products::read_envi_header(products::find_envi_pair(path).header), path);
   std::string numbers;
   for (const std::size_t layer : layers) numbers += (numbers.empty() ? "" : ",") + std::to_string(layer + 1);
-  return open_cube(invocation, path, {numbers, ""});
+  analysis::Cube cube = open_cube(invocation, path, {numbers, ""});
+  analysis::Pixels one;
+  analysis::refuse_places_off_earth(path, cube.lines(), [&](std::int64_t l, std::vector<std::array<double, 2>>& out) {
+    cube.read(l, 1, one);
+    out.clear();
+    for (std::size_t p = 0; p < one.count(); ++p) out.push_back({one.at(p)[0], one.at(p)[1]});
+  });
+  return cube;
 }
 
 /// Way on the ground from a pixel to the next of its line; 0: not known.
