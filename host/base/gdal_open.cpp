@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "host/base/gdal_band.h"
+#include "host/base/input_file.h"
 #include "host/base/netcdf_size.h"
 
 namespace raycube::base {
@@ -119,6 +120,51 @@ Declared declared_by(GDALDatasetH dataset) {
   return out;
 }
 
+/// "NAME, which is a pipe", of the files that GDAL looks for beside this one (.prj, .aux.xml, world files, headers):
+/// opening a pipe waits for its writer, and a device may never end. Empty: there is none.
+std::string special_beside(const std::string& file) {
+  namespace fs = std::filesystem;
+  const fs::path path(file);
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(path.has_parent_path() ? path.parent_path() : ".", code)) {
+    const fs::path name = entry.path().filename();
+    if (name.stem() != path.stem() && !name.string().starts_with(path.filename().string() + ".")) continue;
+    if (entry.is_regular_file(code) || entry.is_directory(code) || !entry.exists(code)) continue;
+    if (name != path.filename()) return entry.path().string() + ", which " + why_no_plain_file(entry.path().string());
+  }
+  return "";
+}
+
+/// The same of the files that a virtual raster takes its values from, and of theirs.
+std::string special_source(const std::string& file, int depth = 0) {
+  constexpr int kDeepest = 8;
+  constexpr std::size_t kMostBytes = 64 << 20;
+  namespace fs = std::filesystem;
+  if (depth == kDeepest || !why_no_plain_file(file).empty()) return "";
+  std::ifstream in(file, std::ios::binary);
+  std::string text(1024, '\0');
+  in.read(text.data(), 1024);
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.find("<VRTDataset") == std::string::npos) return "";
+  for (std::string more(1 << 16, '\0'); text.size() < kMostBytes && in.read(more.data(), 1 << 16).gcount() > 0;)
+    text.append(more, 0, static_cast<std::size_t>(in.gcount()));
+  for (const char* tag : {"<SourceFilename", "<SourceDataset"})
+    for (std::size_t at = text.find(tag); at != std::string::npos; at = text.find(tag, at + 1)) {
+      const std::size_t begin = text.find('>', at), end = text.find('<', at + 1);
+      if (begin == std::string::npos || end == std::string::npos || end < begin) break;
+      const fs::path named = text.substr(begin + 1, end - begin - 1);
+      const bool relative = text.substr(at, begin - at).find("relativeToVRT=\"1\"") != std::string::npos;
+      const fs::path source = relative ? fs::path(file).parent_path() / named : named;
+      std::error_code code;
+      if (!fs::exists(source, code) || fs::is_directory(source, code)) continue;
+      if (const std::string why = why_no_plain_file(source.string()); !why.empty())
+        return source.string() + ", which " + why;
+      for (const std::string& inner : {special_beside(source.string()), special_source(source.string(), depth + 1)})
+        if (!inner.empty()) return inner;
+    }
+  return "";
+}
+
 /// Looks at the files that a virtual raster is made of: GDAL takes the numbers of each as they stand.
 void look_at_sources(OpenedByGdal& opened, const std::string& file, int depth) {
   constexpr int kDeepest = 8;
@@ -159,6 +205,12 @@ void look_at_sources(OpenedByGdal& opened, const std::string& file, int depth) {
 OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth) {
   const QuietGdal quiet;
   OpenedByGdal out;
+  if (depth == 0)  // which looks at sources of sources, too
+    for (const std::string& special : {special_beside(file), special_source(file)})
+      if (!special.empty()) {
+        out.wrong = "it needs " + special, out.refused = true;
+        return out;
+      }
   out.set = GdalDataset(gdal().GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
   if (!out.set) {
     out.wrong = gdal_message();

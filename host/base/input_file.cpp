@@ -22,9 +22,10 @@ std::string why_no_plain_file(const std::string& path) {
   return "";
 }
 
-void refuse_other_than_plain(const std::string& path) {
+void refuse_other_than_plain(const std::string& path, OrFolder folder) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return;
+  if (folder == OrFolder::yes && S_ISDIR(status.st_mode)) return;
   throw Error(Fault::input, path + ": " + why_no_plain_file(path) + "; give the path of a plain file");
 }
 

@@ -12,6 +12,7 @@ std::string why_no_plain_file(const std::string& path);
 
 /// Throws Error(input), "PATH: is a pipe; ...", for what is there and no plain file. What is not there is
 /// left to whoever opens it.
-void refuse_other_than_plain(const std::string& path);
+enum class OrFolder { no, yes };
+void refuse_other_than_plain(const std::string& path, OrFolder folder = OrFolder::no);
 
 }  // namespace raycube::base

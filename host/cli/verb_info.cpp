@@ -54,6 +54,7 @@ std::string resolve(const std::string& path) {
     return path;
   }
   const fs::path record = fs::path(path) / "run.json";
+  base::refuse_other_than_plain(record.string());
   if (fs::exists(record)) return record.string();
   throw Error(Fault::input, path + ": is a folder without run.json; name a file");
 }
@@ -63,7 +64,7 @@ std::vector<std::string> runs_in(const std::string& folder) {
   std::vector<std::string> out;
   if (!fs::is_directory(folder) || fs::exists(fs::path(folder) / "run.json")) return out;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_directory() && fs::exists(entry.path() / "run.json"))
+    if (entry.is_directory() && base::why_no_plain_file((entry.path() / "run.json").string()).empty())
       out.push_back((entry.path() / "run.json").string());
   std::sort(out.begin(), out.end());
   return out;

@@ -17,6 +17,7 @@
 
 #include "host/base/data_folder.h"
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/base/output_file.h"
 #include "host/base/sha256.h"
 #include "host/base/timing.h"
@@ -129,6 +130,7 @@ std::string KeptSteps::key_of(const StepPlan& step, const Names& names) const {
     if (inside(path, folder_)) return;  // another step's, by its key
     const bool below =
         fs::is_directory(path, code) && inside(path, here_) && path.lexically_normal() != fs::path(here_);
+    if (needed) base::refuse_other_than_plain(path.string(), base::OrFolder::yes);
     if (needed ? fs::exists(path, code) : below || fs::is_regular_file(path, code))
       key.add(file_hash(path.lexically_normal().string()));
     else if (needed)

@@ -70,6 +70,49 @@ def limited(*arguments, status, says):
     check(any(part in done.stderr for part in ([says] if isinstance(says, str) else says)), says, done.stderr)
 
 
+kGltf = """{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"uri": "special.bin", "byteLength": 36}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3,
+"type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}]}"""
+kGrid = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 1\n1 1\n"
+kVrt = (
+    '<VRTDataset rasterXSize="2" rasterYSize="2"><VRTRasterBand dataType="Float32" band="1"><SimpleSource>'
+    '<SourceFilename relativeToVRT="1">{}</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>'
+    "</VRTDataset>"
+)
+
+
+def named_in_files(work, small):
+    """Pipes and devices that other files name, or that libraries look for beside them."""
+    for make, word in ((os.mkfifo, "is a pipe"), (lambda path: path.symlink_to("/dev/zero"), "is a device")):
+        folder = pathlib.Path(tempfile.mkdtemp(dir=work))
+        for name in ("special.mtl", "special.bin", "beside.prj", "special.tif", "run.json", "special"):
+            make(folder / name)
+        (folder / "a.obj").write_text("mtllib special.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl k\nf 1 2 3\n")
+        (folder / "b.gltf").write_text(kGltf)
+        (folder / "beside.asc").write_text(kGrid)
+        (folder / "c.vrt").write_text(kVrt.format("special.tif"))
+        (folder / "d.vrt").write_text(kVrt.format("c.vrt"))
+        (folder / "e.vrt").write_text(kVrt.format("beside.asc"))
+        for key, text, names in (
+            ("mesh.file obj", "a.obj", "special.mtl"),
+            ("mesh.file obj", "b.gltf", "special.bin"),
+            ("terrain.raster", "beside.asc", "beside.prj"),
+            ("terrain.raster", "c.vrt", "special.tif"),
+            ("terrain.raster", "d.vrt", "special.tif"),
+            ("terrain.raster", "e.vrt", "beside.prj"),
+        ):
+            old, new = kKeys[key]
+            (folder / "scene.toml").write_text(small.replace(old, new.replace("X.obj", text).replace("X", text), 1))
+            limited("scene", "check", folder / "scene.toml", status=2, says=f"{names}, which {word}")
+        limited("info", folder, status=2, says=f"run.json: {word}")
+        limited("info", folder / "a.obj", status=2, says=f"special.mtl, which {word}")
+        (folder / "study.toml").write_text(
+            'format = 1\ntitle = "t"\n[[step]]\nname = "s"\nrun = ["true"]\ninputs = ["special"]\n'
+        )
+        limited("experiment", folder / "study.toml", "-o", folder / "out", status=2, says=f"special: {word}")
+
+
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
     small = scene(work, "small.toml").read_text()
@@ -153,8 +196,7 @@ with tempfile.TemporaryDirectory() as work:
         program.run("scene", "check", work / "mesh.toml")
     # A caller that ignores SIGCHLD, which exec keeps.
     program.run("scene", "check", work / "mesh.toml", preexec_fn=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN))
-    # What an OBJ refers to may be a pipe: Assimp opens it, and the limit on what does not compute ends that. Not waited
-    # for here.
+    named_in_files(work, small)
 
     # A raster whose samples come from a pipe, as a VRT allows.
     old, new = kKeys["terrain.raster"]
