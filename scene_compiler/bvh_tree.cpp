@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <new>
 #include <numeric>
 #include <string>
 
@@ -24,12 +25,17 @@ struct BuildNode {
   std::array<Box, 8> box;
 };
 
-void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
-  return new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
+/// Embree returns null where there is no memory left, and passes what is thrown here on as its own error.
+void* node_memory(RTCThreadLocalAllocator allocator) {
+  void* const memory = rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode));
+  if (!memory) throw std::bad_alloc();
+  return memory;
 }
 
+void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) { return new (node_memory(allocator)) BuildNode; }
+
 void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t, void*) {
-  auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
+  auto* node = new (node_memory(allocator)) BuildNode;
   node->item = primitives[0].primID;
   return node;
 }
@@ -153,9 +159,11 @@ BoxTree build_tree(const std::vector<Box>& boxes) {
   arguments.setNodeChildren = set_children;
   arguments.setNodeBounds = set_bounds;
   const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
+  const RTCError failed = !root || root->count == 0 ? rtcGetDeviceError(device.get()) : RTC_ERROR_NONE;
+  if (failed == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (!root || root->count == 0)
     throw Error(Fault::bug, "rtcBuildBVH made no tree over " + std::to_string(boxes.size()) + " boxes (Embree error " +
-                                std::to_string(static_cast<int>(rtcGetDeviceError(device.get()))) + ")");
+                                std::to_string(static_cast<int>(failed)) + ")");
   flatten(*root, tree, 1);
   return tree;
 }

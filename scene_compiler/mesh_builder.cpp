@@ -82,11 +82,14 @@ void add_mesh(const Record& record, bool strict, MaterialTable& materials, Scene
                  "give one of them");
     return;
   }
-  MeshRequest request{std::nullopt, std::nullopt, strict};
+  MeshRequest request{std::nullopt, std::nullopt, strict, std::max(0.0, parts.memory.left())};
   if (record.given("up")) request.up = record.text("up")[0];
   if (record.given("unit_m")) request.unit_m = record.number("unit_m");
   auto file = read_mesh_file(record.text("file"), request, record.place("file"), problems);
   if (!file) return;
+  if (!parts.memory.take(static_cast<double>(file->mesh.triangles.size()) * kTriangle_bytes, record.where,
+                         std::to_string(file->mesh.triangles.size()) + " triangles", "give smaller meshes", problems))
+    return;
   assign_materials(record, materials, *file, problems);
   if (problems.empty()) lay_images(record, materials, *file, parts.notices, problems);
   if (file->dropped_faces > 0)
@@ -176,6 +179,9 @@ bool drop(const Record& record, const SceneParts& parts, const Where& where, std
 void scatter_listed(const Record& record, std::int64_t mesh, SceneParts& parts, Problems& problems) {
   const auto csv = read_csv(record.text("positions"), record.place("positions"), problems);
   if (!csv) return;
+  if (!parts.memory.take(static_cast<double>(csv->rows.size()) * kPlaced_bytes, record.place("positions"),
+                         std::to_string(csv->rows.size()) + " placements", "list fewer", problems))
+    return;
   const auto x = csv->column("x_m"), y = csv->column("y_m"), z = csv->column("z_m"), yaw = csv->column("yaw_deg"),
              scale = csv->column("scale");
   bool sound = x && y;
@@ -213,6 +219,13 @@ bool inside(const std::vector<std::pair<double, double>>& polygon, double x, dou
     if ((yi > y) != (yj > y) && x < (xj - xi) * (y - yi) / (yj - yi) + xi) in = !in;
   }
   return in;
+}
+
+double area_of(const std::vector<std::pair<double, double>>& polygon) {
+  double twice = 0;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++)
+    twice += polygon[j].first * polygon[i].second - polygon[i].first * polygon[j].second;
+  return 0.5 * std::abs(twice);
 }
 
 /// Bounding rectangle of the region, or nullopt after reporting one that is missing or empty.
@@ -279,6 +292,17 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
                  number_text(std::round(expected)) + " in the region's rectangle", "at most 5e7; lower the density");
     return;
   }
+  // Of a class the places are counted as they come, some at a time.
+  constexpr std::uint64_t kCounted = 1 << 16;
+  const bool by_class = record.given("class");
+  const double share =
+      record.given("polygon_m") ? area_of(record.value("polygon_m").points) / ((b[2] - b[0]) * (b[3] - b[1])) : 1;
+  const auto fits = [&](double count) {
+    return parts.memory.take(count * kPlaced_bytes, record.place("density_per_m2"),
+                             number_text(std::round(count)) + " placements", "lower the density", problems);
+  };
+  if (!by_class && !fits(share * expected)) return;
+  std::uint64_t placed = 0;
   const auto seed = static_cast<std::uint64_t>(record.integer("seed"));
   const auto& yaw = record.numbers("yaw_range_deg");
   const auto& scale = record.numbers("scale_range");
@@ -293,6 +317,7 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
     std::array<double, 3> p{draw(b[0], b[2], 0), draw(b[1], b[3], 1), 0};
     if (record.given("polygon_m") && !inside(record.value("polygon_m").points, p[0], p[1])) continue;
     if (record.given("class") && !in_class(parts, p[0], p[1], record.integer("class"))) continue;
+    if (by_class && placed++ % kCounted == 0 && !fits(double{kCounted})) return;
     if (drop(record, parts, record.where, p, problems))
       place(mesh, placement(p, draw(yaw[0], yaw[1], 2), draw(scale[0], scale[1], 3)), parts);
   }

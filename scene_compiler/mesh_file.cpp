@@ -1,5 +1,6 @@
 #include "scene_compiler/mesh_file.h"
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -14,11 +15,14 @@
 #include <limits>
 #include <sstream>
 
+#include "host/base/input_file.h"
 #include "host/base/limited_child.h"
+#include "host/base/memory.h"
 #include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/mesh_declared.h"
+#include "scene_compiler/memory_sum.h"
 #include "scene_compiler/ply_file.h"
 #include "scene_compiler/polygon.h"
 
@@ -95,6 +99,22 @@ void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pare
   for (unsigned i = 0; i < node.mNumChildren; ++i) send_node(scene, *node.mChildren[i], file_from_node, parcel);
 }
 
+/// What all nodes show together; a mesh that several nodes name counts for each.
+struct Shown {
+  double vertices = 0, faces = 0, corners = 0;
+  /// Handed over by the child and taken apart once more here, then triangles and their tree.
+  double bytes() const { return 60 * vertices + 8 * corners + kTriangle_bytes * std::max(faces, corners - 2 * faces); }
+};
+
+void count_node(const aiScene& scene, const aiNode& node, Shown& shown) {
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
+    shown.vertices += mesh.mNumVertices, shown.faces += mesh.mNumFaces;
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) shown.corners += mesh.mFaces[f].mNumIndices;
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) count_node(scene, *node.mChildren[i], shown);
+}
+
 /// What the file's own numbers are, by its ending and what Assimp 5.2.5 says of it.
 MeshFrame declared_frame(const aiScene& scene, const std::string& ending) {
   if (ending == ".gltf" || ending == ".glb") return {'y', 1.0};
@@ -118,25 +138,52 @@ bool assimp_turns(const std::string& ending) {
 
 bool is_obj(const std::string& file) { return lower_case(std::filesystem::path(file).extension().string()) == ".obj"; }
 
-/// In the child: Assimp's word on the file (empty: it was read), then its meshes, each after a true, then a
-/// false.
+/// Files that a mesh's file names, for Assimp: plain ones, since opening a pipe waits and a device may never end.
+class PlainFiles : public Assimp::DefaultIOSystem {
+ public:
+  /// refused: what was asked for and is no plain file, and why.
+  explicit PlainFiles(std::string& refused) : refused_(refused) {}
+  bool Exists(const char* path) const override { return is_plain(path) && DefaultIOSystem::Exists(path); }
+  Assimp::IOStream* Open(const char* path, const char* mode) override {
+    return is_plain(path) ? DefaultIOSystem::Open(path, mode) : nullptr;
+  }
+
+ private:
+  bool is_plain(const char* path) const {
+    std::error_code code;
+    if (!std::filesystem::exists(path, code)) return true;  // Assimp says that it is missing
+    const std::string why = base::why_no_plain_file(path);
+    if (!why.empty() && !std::filesystem::is_directory(path, code)) refused_ = std::string(path) + ", which " + why;
+    return why.empty();
+  }
+  std::string& refused_;
+};
+
+/// In the child: Assimp's word on the file (empty: it was read), what its nodes show, then, where there is room for
+/// that, its meshes, each after a true, then a false.
 void read_by_assimp(const std::string& file, const std::string& text,
-                    const std::optional<std::array<double, 3>>& centre, base::Parcel& parcel) {
+                    const std::optional<std::array<double, 3>>& centre, double room_bytes, base::Parcel& parcel) {
   Assimp::Importer importer;
   // Polygons stay whole here so that face numbers are the file's; normals and colours are not used.
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                                           aiComponent_COLORS | aiComponent_BONEWEIGHTS |
                                                           aiComponent_ANIMATIONS | aiComponent_TEXTURES |
                                                           aiComponent_LIGHTS | aiComponent_CAMERAS);
+  std::string refused;
+  importer.SetIOHandler(new PlainFiles(refused));  // which the importer deletes
   const bool obj = is_obj(file);
   const auto other = obj ? obj_for_assimp(text, centre.value_or(std::array<double, 3>{})) : std::nullopt;
   const aiScene* scene =
       other ? importer.ReadFileFromMemory(other->data(), other->size(), aiProcess_RemoveComponent, "obj")
             : importer.ReadFile(file, aiProcess_RemoveComponent);
-  const bool read = scene != nullptr && scene->mRootNode != nullptr;
-  const std::string said = importer.GetErrorString();
+  const bool read = refused.empty() && scene != nullptr && scene->mRootNode != nullptr;
+  const std::string said = refused.empty() ? importer.GetErrorString() : "it names " + refused;
   parcel.text(read ? "" : said.empty() ? "no message" : said);
   if (!read) return;
+  Shown shown;
+  count_node(*scene, *scene->mRootNode, shown);
+  parcel.value(shown);
+  if (shown.bytes() > room_bytes) return;
   const MeshFrame declared = declared_frame(*scene, lower_case(std::filesystem::path(file).extension().string()));
   parcel.value(declared.up.value_or('\0')), parcel.value(declared.unit_m.value_or(0));
   parcel.value(declared.upside_down);
@@ -315,15 +362,26 @@ bool add_by_assimp(Importer& reader, const std::string& file, const std::string&
                    const MeshRequest& request, const Where& asked_by, Problems& problems) {
   // Of an OBJ, whose unit is the scene's: numbers far from zero are moved in its text, before they become floats.
   const auto centre = obj ? far_centre(obj_vertices(text), reader.out.unit_m) : std::nullopt;
+  const base::AvailableMemory available = base::available_memory();
+  const double room_bytes = std::min(request.room_bytes, static_cast<double>(available.bytes));
   base::ChildLimits limits;
   limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(text.size());
   limits.memory_bytes = kBase_bytes + kPerByte_bytes * text.size();
-  base::Unpacked read =
-      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, text, centre, parcel); });
+  base::Unpacked read = base::in_limited_child(
+      limits, [&](base::Parcel& parcel) { read_by_assimp(file, text, centre, room_bytes, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,
                  "correct or convert the file; " + asked_by.text() + " names it");
+    return false;
+  }
+  if (const auto shown = read.value<Shown>(); shown.bytes() > room_bytes) {
+    const auto bytes_text = [](double bytes) { return base::format_bytes(static_cast<std::uint64_t>(bytes)); };
+    problems.add({file, 0, 0, ""}, "the mesh needs more memory than there is",
+                 number_text(shown.faces) + " faces, a mesh counted for each node that names it: about " +
+                     bytes_text(shown.bytes()) + ", of " + bytes_text(room_bytes) + " " + available.by,
+                 "write a mesh that is repeated into a file of its own and place it by [[instance]], which costs its "
+                 "triangles once");
     return false;
   }
   MeshFrame declared;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,7 +39,8 @@ struct MeshFrame {
 struct MeshRequest {
   std::optional<char> up;
   std::optional<double> unit_m;
-  bool strict = false;  ///< refuse faces without area
+  bool strict = false;                                          ///< refuse faces without area
+  double room_bytes = std::numeric_limits<double>::infinity();  ///< memory for all that the file shows
 };
 
 /// A file's triangles. mesh.surface holds the index of the part until materials are assigned.

@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <limits>
 
+#include "host/base/available_memory.h"
 #include "host/base/gdal_library.h"
 #include "host/base/gdal_open.h"
 #include "host/base/image_orientation.h"
 #include "host/base/limited_child.h"
+#include "host/base/memory.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 
@@ -88,9 +90,11 @@ base::GdalBand take_declaration(base::Unpacked& read) {
   return out;
 }
 
-bool fits(const Opened& opened, int count) {
-  return double(opened.columns) * opened.rows * std::max(count, 1) <= double(1 << 28);
-}
+constexpr double kMostPixels = 1 << 28;
+/// Of a pixel: as the child hands it over, its value, and what is known of it.
+constexpr double kPixel_bytes = 19;
+
+double pixels_of(const Opened& opened, int count) { return double(opened.columns) * opened.rows * std::max(count, 1); }
 bool has_bands(const Opened& opened, int first_band, int count) {
   return count >= 1 && first_band + count - 1 <= opened.band_count;
 }
@@ -103,7 +107,7 @@ bool has_complex_numbers(GDALDatasetH dataset) {
 
 /// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for what the file
 /// declares, and by pieces GDAL's word (empty: it could be read), values and what is known of each.
-void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
+void read_by_gdal(const std::string& file, int first_band, int count, double most_pixels, base::Parcel& parcel) {
   const base::OpenedByGdal found = base::open_by_gdal(file);
   const GdalDataset& dataset = found.set;
   const bool complex = dataset && has_complex_numbers(dataset.get());
@@ -119,7 +123,7 @@ void read_by_gdal(const std::string& file, int first_band, int count, base::Parc
   parcel.value(opened);
   send(parcel, describe_system(gdal().GDALGetSpatialRef(dataset.get())));
   if (count == 0) count = opened.band_count - first_band + 1;
-  if (!fits(opened, count) || !has_bands(opened, first_band, count)) return;
+  if (pixels_of(opened, count) > most_pixels || !has_bands(opened, first_band, count)) return;
   std::vector<double> values;
   std::vector<base::Pixel> known;
   for (int i = 0; i < count; ++i) {
@@ -154,6 +158,24 @@ std::string take_band(base::Unpacked& read, std::vector<double>& values, std::ve
     known.insert(known.end(), with.begin(), with.end());
   }
   return "";
+}
+
+/// Of a raster that is too large: by how much, and for what.
+void report_size(const Raster& raster, int count, double pixels, double most_pixels,
+                 const base::AvailableMemory& available, Problems& problems) {
+  const std::string found = std::to_string(raster.columns) + " x " + std::to_string(raster.rows) + " pixels" +
+                            (count > 1 ? " of " + std::to_string(count) + " bands" : "");
+  if (pixels > std::min(kMostPixels, most_pixels)) {
+    const auto bits = static_cast<int>(std::log2(std::min(kMostPixels, most_pixels)));
+    problems.add({raster.file, 0, 0, ""}, "raster is too large", found,
+                 "at most 2^" + std::to_string(bits) +
+                     " pixels; cut it with gdal_translate -projwin, or make it coarser with -outsize");
+    return;
+  }
+  problems.add({raster.file, 0, 0, ""}, "the raster needs more memory than there is",
+               found + ": about " + base::format_bytes(static_cast<std::uint64_t>(pixels * kPixel_bytes)) + ", of " +
+                   available.text(),
+               "cut it with gdal_translate -projwin, or make it coarser with -outsize");
 }
 
 /// Told, since an earlier version took the numbers of the file: "scale 0.1 and offset 0".
@@ -209,14 +231,18 @@ double white_of(const Raster& image) {
 }
 
 std::optional<Raster> read_raster(const std::string& file, int first_band, int count, NoData nodata,
-                                  const Where& asked_by, Problems& problems, Transparent transparent) {
+                                  const Where& asked_by, Problems& problems, Transparent transparent,
+                                  double most_pixels) {
   if (!check_readable(file, asked_by, problems)) return std::nullopt;
   base::ChildLimits limits;
   limits.cpu_s = kRasterBase_s + kRasterPerByte_s * static_cast<double>(std::filesystem::file_size(file));
   limits.memory_bytes = kMemory_bytes;
   gdal();  // loaded here, not by the child of each raster
-  base::Unpacked read =
-      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });
+  const base::AvailableMemory available = base::available_memory();
+  const double room = static_cast<double>(available.bytes) / kPixel_bytes;
+  base::Unpacked read = base::in_limited_child(limits, [&](base::Parcel& parcel) {
+    read_by_gdal(file, first_band, count, std::min({kMostPixels, most_pixels, room}), parcel);
+  });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "GDAL cannot read the raster", said,
@@ -232,10 +258,8 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   raster.georeferenced = opened.georeferenced, raster.transform = opened.transform;
   raster.system = take_system(read);
   if (count == 0) count = raster.band_count - first_band + 1;
-  if (!fits(opened, count)) {
-    problems.add({file, 0, 0, ""}, "raster is too large",
-                 std::to_string(raster.columns) + " x " + std::to_string(raster.rows) + " pixels",
-                 "at most 2^28 pixels; cut it with gdal_translate -projwin");
+  if (const double wanted = pixels_of(opened, count); wanted > std::min({kMostPixels, most_pixels, room})) {
+    report_size(raster, count, wanted, most_pixels, available, problems);
     return std::nullopt;
   }
   if (!has_bands(opened, first_band, count)) {

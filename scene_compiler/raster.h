@@ -38,9 +38,10 @@ double white_of(const Raster& image);
 /// Reads bands first_band .. first_band + count - 1 (count 0: to the last). NoData::interpolate fills with
 /// GDALFillNodata (inverse distance from the valid neighbours). A scale, an offset or an orientation that the file
 /// declares is told; turned by the latter is what has no place on a map.
-/// nullopt after reporting: missing, 0-byte, not a raster, no such band, truncated, or more than 2^28 pixels.
+/// nullopt after reporting: missing, 0-byte, not a raster, no such band, truncated, more than `most_pixels` in all its
+/// bands, or more than memory holds.
 std::optional<Raster> read_raster(const std::string& file, int first_band, int count, NoData nodata,
                                   const base::Where& asked_by, base::Problems& problems,
-                                  Transparent transparent = Transparent::has_no_value);
+                                  Transparent transparent = Transparent::has_no_value, double most_pixels = 1 << 28);
 
 }  // namespace raycube::scene

@@ -39,9 +39,14 @@ Cut texels_of(std::uint32_t surface, MaterialTable& materials) {
   return out;
 }
 
-bool too_many_cells(double width_m, double length_m, const Cut& cut, const Record& record, Problems& problems) {
+bool too_many_cells(double width_m, double length_m, const Cut& cut, const Record& record, MemorySum& memory,
+                    Problems& problems) {
   const auto along = [&](double size_m) { return std::max(1.0, std::ceil(size_m / cut.cell_m)); };
-  if (cut.cell_m <= 0 || along(width_m) * along(length_m) <= 1e7) return false;
+  if (cut.cell_m <= 0) return false;
+  const double cells = along(width_m) * along(length_m);
+  if (cells <= 1e7)
+    return !memory.take(2 * cells * kTriangle_bytes, record.where, number_text(cells) + " squares",
+                        "use larger squares or texels, or fewer such faces", problems);
   problems.add(record.where, "more than 1e7 squares of a checkerboard, texture or relief on one face",
                number_text(width_m) + " x " + number_text(length_m) + " m of " + number_text(cut.cell_m) + " m",
                "use larger squares or texels");
@@ -67,7 +72,7 @@ void add_plane(const Record& record, const std::string& name, MaterialTable& mat
           : texels_of(materials.surface(record.text("material"), record.place("material"), problems, Covers::panel),
                       materials);
   const auto& size = record.numbers("size_m");
-  if (too_many_cells(size[0], size[1], cut, record, problems)) return;
+  if (too_many_cells(size[0], size[1], cut, record, parts.memory, problems)) return;
   place_once(parts, name,
              plane_mesh(position_of(record, parts, problems), {size[0], size[1]}, record.number("yaw_deg"),
                         record.number("tilt_deg"), cut));
@@ -108,7 +113,7 @@ void add_box(const Record& record, const std::string& name, MaterialTable& mater
                                                      {size[1], size[2]},
                                                      {size[1], size[2]}}};
   for (std::size_t i = 0; i < faces.size(); ++i)
-    if (too_many_cells(extent[i][0], extent[i][1], faces[i], record, problems)) return;
+    if (too_many_cells(extent[i][0], extent[i][1], faces[i], record, parts.memory, problems)) return;
   place_once(
       parts, name,
       box_mesh(position_of(record, parts, problems), {size[0], size[1], size[2]}, record.number("yaw_deg"), faces));
@@ -148,6 +153,10 @@ void repeat_cell(const Record& root, SceneParts& parts, Problems& problems) {
                  number_text(more * static_cast<double>(once.size())), "at most 5e7: give fewer copies");
     return;
   }
+  const double copied = more * static_cast<double>(once.size());
+  if (!parts.memory.take(copied * kPlaced_bytes, cell->place("copies"), number_text(copied) + " placements",
+                         "give fewer copies", problems))
+    return;
   parts.cell_m = {cell->number("x_m"), cell->number("y_m")};
   parts.cell_copies = static_cast<int>(copies);
   parts.placed.clear();

@@ -8,6 +8,7 @@
 #include "scene_compiler/bvh_builder.h"
 #include "scene_compiler/document.h"
 #include "scene_compiler/material_table.h"
+#include "scene_compiler/memory_sum.h"
 #include "scene_compiler/terrain.h"
 
 namespace raycube::scene {
@@ -36,6 +37,7 @@ struct SceneParts {
   std::vector<std::vector<int>> terrain_classes;  ///< class of each cell; empty without class map
   std::vector<int> terrain_refine;                ///< into how many along each side its triangles cut a cell
   std::vector<std::string> notices;               ///< dropped faces, meshes never placed
+  MemorySum memory;                               ///< of all that is to be built
 
   /// Height of the highest terrain at a point, or nullopt off all of them.
   std::optional<double> terrain_height_m(double x_m, double y_m) const;

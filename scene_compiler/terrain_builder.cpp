@@ -443,8 +443,14 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
     if (record.given("class_map")) surfaces = class_surfaces(record, grid, materials, parts, classes, problems);
     if (record.given("mixture_map")) surfaces = mixture_surfaces(record, grid, materials, parts, problems);
   }
+  const double times = static_cast<double>(record.integer("refine")), cells = static_cast<double>(grid.cell_count());
+  const bool fits = can_refine(record, grid, problems) &&
+                    parts.memory.take(2 * cells * times * times * kTriangle_bytes, record.where,
+                                      number_text(cells * times * times) + " cells of terrain",
+                                      times > 1 ? "lower 'refine'" : "give a smaller or coarser raster", problems);
   parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});
-  parts.meshes.push_back({record.text("name"), can_refine(record, grid, problems) && problems.empty()
+  parts.meshes.push_back({record.text("name"), !fits ? TriangleMesh{}
+                                               : problems.empty()
                                                    ? textured_mesh(record, grid, surfaces, materials, parts.notices)
                                                    : grid.mesh(surfaces)});
   parts.terrains.push_back(grid);

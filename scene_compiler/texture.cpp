@@ -17,6 +17,8 @@ namespace {
 using base::Problems;
 
 constexpr std::size_t kColoursKnown = 100000;
+/// Of an image: more than any face shows, which is cut into 1e7 squares at most, or a mesh, into 4e7.
+constexpr double kMostTexels = 1 << 26;
 /// i modulo n, 0 .. n - 1 for negative i too, of a place in texels.
 std::size_t wrapped(double place, int n) {
   const double turns = std::floor(place / n);
@@ -154,7 +156,7 @@ bool asks_for_one_choice(const Record& texture, Problems& problems) {
 
 std::optional<Raster> read_image(const Record& record, int bands, Problems& problems) {
   auto image = read_raster(record.text("image"), static_cast<int>(record.integer("band")), bands, NoData::mark,
-                           record.place("image"), problems, Transparent::has_a_value);
+                           record.place("image"), problems, Transparent::has_a_value, bands * kMostTexels);
   if (!image) return std::nullopt;
   if (image->declared[0].palette) {
     problems.add({image->file, 0, 0, ""}, "the picture's values are numbers of a palette's colours", "a palette",

@@ -18,13 +18,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host/base/available_memory.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 
 namespace raycube::base {
 namespace {
 
-constexpr int kNoMemory = 3, kThrew = 4, kGlance_ms = 50;
+constexpr int kNoMemory = 3, kThrew = 4, kTooMuch = 5, kGlance_ms = 50;
 constexpr std::size_t kPiece_bytes = 1 << 20;
 
 struct Descriptor {
@@ -48,9 +49,11 @@ std::uint64_t address_space_bytes() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-[[noreturn]] void be_child(const ChildLimits& limits, const std::function<void(Parcel&)>& work, int out) {
+[[noreturn]] void be_child(const ChildLimits& limits, const std::function<void(Parcel&)>& work, int out, pid_t parent,
+                           std::uint64_t most_handed_bytes) {
   become_helper();
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(kThrew);  // it died meanwhile
   rlimit space{};
   if (::getrlimit(RLIMIT_AS, &space) == 0) {
     space.rlim_cur = std::min<rlim_t>(space.rlim_cur, address_space_bytes() + limits.memory_bytes);
@@ -59,12 +62,12 @@ std::uint64_t address_space_bytes() {
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   int status = 0;
+  Parcel parcel(out, most_handed_bytes);
   try {
-    Parcel parcel(out);
     work(parcel);
     parcel.flush();
   } catch (const std::bad_alloc&) {
-    status = kNoMemory;
+    status = parcel.exceeded() ? kTooMuch : kNoMemory;
   } catch (...) {
     status = kThrew;
   }
@@ -115,6 +118,8 @@ int wait_for(pid_t child) {
 }  // namespace
 
 void Parcel::bytes(const void* data, std::size_t count) {
+  bytes_ += count;
+  if (exceeded()) throw std::bad_alloc();
   if (waiting_.size() + count > kPiece_bytes) flush();
   if (count < kPiece_bytes) {
     waiting_.append(static_cast<const char*>(data), count);
@@ -162,9 +167,10 @@ Unpacked in_limited_child(const ChildLimits& limits, const std::function<void(Pa
   int pipe_ends[2];
   if (bytes.fd < 0 || ::pipe2(pipe_ends, O_CLOEXEC) != 0) throw cannot("prepared");
   ended.fd = pipe_ends[0], held.fd = pipe_ends[1];
-  const pid_t child = ::fork();
+  const AvailableMemory available = available_memory();
+  const pid_t parent = ::getpid(), child = ::fork();
   if (child < 0) throw cannot("started");
-  if (child == 0) be_child(limits, work, bytes.fd);
+  if (child == 0) be_child(limits, work, bytes.fd, parent, available.bytes);
   held.close();
 
   Unpacked out;
@@ -181,6 +187,9 @@ Unpacked in_limited_child(const ChildLimits& limits, const std::function<void(Pa
   if (WIFEXITED(status) && WEXITSTATUS(status) == kNoMemory) {
     out.end = ChildEnd::out_of_memory;
     out.why = "asked for more memory than a file of its size can need";
+  } else if (WIFEXITED(status) && WEXITSTATUS(status) == kTooMuch) {
+    out.end = ChildEnd::out_of_memory;
+    out.why = "hands back more than " + available.text();
   } else if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     out.end = ChildEnd::crashed;
     out.why = WIFSIGNALED(status) ? "was ended by signal " + std::to_string(WTERMSIG(status)) : "gave up";

@@ -21,7 +21,9 @@ struct ChildLimits {
 /// In the child: what it hands back, in order.
 class Parcel {
  public:
-  explicit Parcel(int fd) : fd_(fd) {}
+  /// most_bytes: more than that is std::bad_alloc.
+  explicit Parcel(int fd, std::uint64_t most_bytes) : fd_(fd), most_bytes_(most_bytes) {}
+  bool exceeded() const { return bytes_ > most_bytes_; }
   void bytes(const void* data, std::size_t count);
   template <class T>
   void value(const T& value) {
@@ -39,6 +41,7 @@ class Parcel {
 
  private:
   int fd_;
+  std::uint64_t most_bytes_, bytes_ = 0;
   std::string waiting_;
 };
 
@@ -84,7 +87,8 @@ class Unpacked {
 
 /// Forks, runs `work` in the child and waits for its end; what `work` throws is bad_alloc (out_of_memory) or
 /// a crash. Ctrl-C ends the child and throws. The child sees this process as it was and changes nothing of
-/// it; it must not use OpenCL or other threads. Throws Error(environment) when no child can be made.
+/// it; it must not use OpenCL or other threads. What it hands back lies in memory beside what it uses: more than there
+/// is (available_memory) is out_of_memory too. Throws Error(environment) when no child can be made.
 Unpacked in_limited_child(const ChildLimits& limits, const std::function<void(Parcel&)>& work);
 
 }  // namespace raycube::base

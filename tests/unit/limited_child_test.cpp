@@ -4,13 +4,16 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 #include <stdexcept>
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host/base/available_memory.h"
 #include "host/base/error.h"
 #include "host/base/input_file.h"
 #include "host/base/interrupt.h"
@@ -78,6 +81,31 @@ TEST_CASE("a child that computes for ever, waits for ever, takes all memory, cra
   CHECK(end_of({}, [](Parcel&) { throw std::runtime_error("x"); }).first == ChildEnd::crashed);
   CHECK(end_of({}, [](Parcel&) { leave_at_once("x", Fault::bug); }).first == ChildEnd::crashed);
   CHECK(std::filesystem::exists(mine.temporary_path()));
+}
+
+TEST_CASE("a child hands back no more than there is memory for") {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_AS, &before) == 0);
+  rlimit space = before;
+  space.rlim_cur = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) + (std::uint64_t{64} << 20);
+  REQUIRE(::setrlimit(RLIMIT_AS, &space) == 0);
+  const AvailableMemory available = available_memory();
+  std::string ends;
+  for (const int mebibytes : {8, 256}) {
+    const auto out = in_limited_child({}, [&](Parcel& parcel) {
+      const std::vector<char> piece(1 << 20, 'x');
+      for (int i = 0; i < mebibytes; ++i) parcel.list(piece.data(), piece.size());
+    });
+    ends += (out.end == ChildEnd::done ? "done" : out.why) + "\n";
+  }
+  REQUIRE(::setrlimit(RLIMIT_AS, &before) == 0);
+  CHECK(available.bytes <= std::uint64_t{64} << 20);
+  CHECK(available.bytes > std::uint64_t{56} << 20);
+  CHECK(available.by == "left by ulimit -v");
+  CHECK(ends.starts_with("done\nhands back more than "));
+  CHECK(ends.ends_with(" MiB left by ulimit -v\n"));
 }
 
 TEST_CASE("Ctrl-C ends the child and is told") {

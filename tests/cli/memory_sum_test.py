@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""Scenes of which each part is within its limit and that together need more memory than there is: refused in little
+memory and before they are built, with what they need and what there is. usage: memory_sum_test.py RAYCUBE"""
+
+import base64
+import json
+import pathlib
+import resource
+import struct
+import sys
+import tempfile
+import zlib
+
+import numpy
+
+from driver import Program
+
+program = Program(sys.argv[1])
+check = program.check
+kSpace_bytes = 700 << 20  #: address space of each run; the program itself takes 150 MiB of it
+
+HEAD = """format = 1
+atmosphere = { model = "none" }
+time = { sun = { zenith_deg = 40.0, azimuth_deg = 150.0 } }
+[[material]]
+name = "m"
+reflectance = 0.3
+[[material]]
+name = "n"
+reflectance = 0.5
+[[instrument]]
+name = "camera"
+kind = "framing"
+pixels = 8
+lines = 8
+position_m = [0, 0, 500]
+ifov_mrad = 2
+samples = { grid = [2, 2] }
+bands = { first_nm = 550, step_nm = 10, count = 1, fwhm_nm = 10 }
+[[plane]]
+material = "m"
+size_m = [100.0, 100.0]
+"""
+MESH = '[[mesh]]\nname = "b"\nfile = "{}"\nmaterial = "m"\n'
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+
+def gltf(path, nodes, side=40):
+    """One sheet of (side - 1)^2 squares, which many nodes name."""
+    points = numpy.array([[i, j, 0] for i in range(side) for j in range(side)], "<f4")
+    first = numpy.array([i * side + j for i in range(side - 1) for j in range(side - 1)])
+    corners = numpy.stack([first, first + 1, first + side, first + 1, first + side + 1, first + side], 1).astype("<u2")
+    data = points.tobytes() + corners.tobytes()
+    view = {"buffer": 0, "byteOffset": 0, "byteLength": points.nbytes}
+    path.write_text(json.dumps({
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": list(range(nodes))}],
+        "nodes": [{"mesh": 0, "translation": [50 * k, 0, 0]} for k in range(nodes)],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{
+            "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+            "byteLength": len(data),
+        }],
+        "bufferViews": [view, {**view, "byteOffset": points.nbytes, "byteLength": corners.nbytes}],
+        "accessors": [
+            {
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": len(points),
+                "type": "VEC3",
+                "min": points.min(0).tolist(),
+                "max": points.max(0).tolist(),
+            },
+            {"bufferView": 1, "componentType": 5123, "count": corners.size, "type": "SCALAR"},
+        ],
+    }))
+
+
+def png(path, width, height):
+    """A grey picture of one value, in some hundred kilobytes."""
+
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    packed = zlib.compressobj(6)
+    row = b"\0" + b"\x80" * width
+    data = b"".join(packed.compress(row) for _ in range(height)) + packed.flush()
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b""))
+
+
+def limited(folder, text, says):
+    (folder / "scene.toml").write_text(text)
+    done = program.refused(
+        "scene",
+        "check",
+        folder / "scene.toml",
+        status=2,
+        says=says,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (kSpace_bytes, kSpace_bytes)),
+    )
+    return done.stderr
+
+
+with tempfile.TemporaryDirectory() as made:
+    folder = pathlib.Path(made)
+    (folder / "t.obj").write_text(TRIANGLE)
+    (folder / "dem.asc").write_text(
+        "ncols 200\nnrows 200\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + ("1 " * 200 + "\n") * 200
+    )
+    (folder / "places.csv").write_text("x_m,y_m\n" + "1,2\n" * 1000000)
+    gltf(folder / "few.gltf", 2)
+    gltf(folder / "many.gltf", 1600)
+    png(folder / "vast.png", 16384, 16384)
+    memory = ["more memory than there is", "about ", " MiB left by ulimit -v"]
+    tree = HEAD + MESH.format("t.obj")
+    drawn = '[[scatter]]\nmesh = "b"\nrectangle_m = [-50.0, -50.0, 50.0, 50.0]\non_terrain = false\n'
+    drawn += "density_per_m2 = {}\n"
+    checker = '[[plane]]\nsize_m = [10.0, 10.0]\nchecker = {{ materials = ["m", "n"], cell_m = {} }}\n'
+    terrain = '[[terrain]]\nmaterial = "m"\nraster = "dem.asc"\nrefine = {}\n'
+    instance = '[[instance]]\nmesh = "b"\n'
+    for text, says in (
+        (tree + drawn.format(5000.0), ["5e+07 placements", *memory]),
+        (tree + drawn.format(50.0) * 2, ["beside", *memory]),
+        (tree + '[[scatter]]\nmesh = "b"\npositions = "places.csv"\n', ["placements", *memory]),
+        (HEAD + checker.format(0.01) * 3, ["squares", *memory]),
+        (HEAD + terrain.format(16), ["cells of terrain", *memory]),
+        (
+            (tree + drawn.format(0.005)).replace(
+                "format = 1\n", "format = 1\nscene = { periodic = { x_m = 100.0, y_m = 100.0, copies = 100 } }\n"
+            ),
+            ["placements", *memory],
+        ),
+        (HEAD + MESH.format("many.gltf") + instance, ["many.gltf", "4867200 faces", *memory[:2]]),
+        (
+            HEAD.replace("reflectance = 0.3", 'reflectance = 0.3\nmask = { image = "vast.png" }'),
+            ["vast.png", "16384 x 16384 pixels", "at most 2^26"],
+        ),
+        (HEAD + terrain.format(1).replace("dem.asc", "vast.png") + "cell_m = 1.0\n", ["vast.png", *memory]),
+    ):
+        said = limited(folder, text, says)
+        check(said.count("raycube: error: ") == 1, said)
+    # What fits is taken: no sum is larger than what it stands for.
+    for text in (tree + drawn.format(1.0), HEAD + checker.format(0.1), HEAD + terrain.format(2)):
+        (folder / "scene.toml").write_text(text)
+        program.run("scene", "check", folder / "scene.toml")
+    (folder / "scene.toml").write_text(HEAD + MESH.format("few.gltf") + instance)
+    program.run("scene", "check", folder / "scene.toml")
+print(f"memory sum: {program.checks} checks")
