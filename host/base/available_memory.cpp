@@ -43,12 +43,14 @@ void take_less(AvailableMemory& least, std::uint64_t limit, std::uint64_t used, 
 
 /// The limits of a group and of those above it. Files that a group has read count as used and can be given back.
 void take_cgroup(AvailableMemory& least, const fs::path& root, fs::path group, const char* limit_file,
-                 const char* used_file, const char* cached) {
+                 const char* used_file, const std::string& total) {
   for (int depth = 0; depth < 64; ++depth) {
     const fs::path at = root / group.relative_path();
     const auto limit = number_in(at / limit_file), used = number_in(at / used_file);
     if (limit && used && *limit < (std::uint64_t{1} << 60)) {
-      const std::uint64_t kept = number_behind(at / "memory.stat", cached).value_or(0);
+      std::uint64_t kept = 0;
+      for (const char* list : {"inactive_file", "active_file"})
+        kept += number_behind(at / "memory.stat", total + list).value_or(0);
       take_less(least, *limit, *used - std::min(*used, kept), "left by the limit of cgroup " + group.string());
     }
     if (!group.has_relative_path()) return;
@@ -63,10 +65,9 @@ void take_cgroups(AvailableMemory& least) {
     if (second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1), group = line.substr(second + 1);
     if (controllers.empty())
-      take_cgroup(least, "/sys/fs/cgroup", group, "memory.max", "memory.current", "inactive_file");
+      take_cgroup(least, "/sys/fs/cgroup", group, "memory.max", "memory.current", "");
     else if (controllers.find("memory") != std::string::npos)
-      take_cgroup(least, "/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes",
-                  "total_inactive_file");
+      take_cgroup(least, "/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes", "total_");
   }
 }
 
