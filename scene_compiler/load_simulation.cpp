@@ -330,11 +330,12 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.budgets = read_budgets(root, problems);
   const std::vector<PlacedBox> boxes = placed_boxes(parts);
   check_resolution(parts, boxes, out.file, parts.notices, problems);
-  if (problems.empty()) tell_of_buried(parts, boxes, out.file, parts.notices);
+  if (problems.empty()) find_buried(parts, boxes, out.file, parts.notices);
   out.lidars = read_lidars(root, parts, box_around(boxes), root.given("time"), parts.notices, problems);
   if (options.need_instruments && root.records("instrument").empty() && root.records("lidar").empty())
     problems.add(root.where, "no [[instrument]] or [[lidar]] looks at the scene", "", "add one");
   problems.throw_if_any();
+  tell_of_buried(parts, out, parts.notices);
   parts.notices.insert(parts.notices.end(), problems.notices().begin(), problems.notices().end());
 
   if (std::any_of(out.lidars.begin(), out.lidars.end(), counts_from_ground))

@@ -114,9 +114,9 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
                       what + ": " + found + "; " + way_out);
 }
 
-void tell_of_buried(const SceneParts& parts, const std::vector<PlacedBox>& boxes, const std::string& file,
-                    std::vector<std::string>& notices) {
-  std::size_t count = 0, first = 0;
+std::vector<std::uint32_t> find_buried(const SceneParts& parts, const std::vector<PlacedBox>& boxes,
+                                       const std::string& file, std::vector<std::string>& notices) {
+  std::vector<std::uint32_t> out;
   double ground_m = 0;
   for (std::size_t i = 0; i < boxes.size() && !parts.terrains.empty(); ++i) {
     const PlacedBox& box = boxes[i];
@@ -127,14 +127,42 @@ void tell_of_buried(const SceneParts& parts, const std::vector<PlacedBox>& boxes
                                std::pair{east, north}, std::pair{0.5 * (west + east), 0.5 * (south + north)}})
       lowest_m = std::min(lowest_m, parts.terrain_height_m(x, y).value_or(-std::numeric_limits<double>::infinity()));
     if (!(static_cast<double>(box.hi[2]) < lowest_m)) continue;
-    if (count++ == 0) first = i, ground_m = lowest_m;
+    if (out.empty()) ground_m = lowest_m;
+    out.push_back(static_cast<std::uint32_t>(i));
   }
-  if (count == 0) return;
-  notices.push_back(file + ": " + std::to_string(count) + (count == 1 ? " object lies" : " objects lie") +
-                    " under the terrain, where nothing above sees " + (count == 1 ? "it" : "them") + ": '" +
-                    parts.meshes[parts.placed[first].mesh].name + "' reaches up to " +
-                    number_text(static_cast<double>(boxes[first].hi[2])) + " m, the ground there lies at " +
+  if (out.empty()) return out;
+  const bool one = out.size() == 1;
+  notices.push_back(file + ": " + std::to_string(out.size()) + (one ? " object lies" : " objects lie") +
+                    " under the terrain, where nothing above sees " + (one ? "it" : "them") + ": '" +
+                    parts.meshes[parts.placed[out.front()].mesh].name + "' reaches up to " +
+                    number_text(static_cast<double>(boxes[out.front()].hi[2])) + " m, the ground there lies at " +
                     number_text(ground_m) + " m or higher; on_terrain = true counts its z from the ground");
+  return out;
+}
+
+void tell_of_buried(const SceneParts& parts, const Simulation& simulation, std::vector<std::string>& notices) {
+  const auto told = [&](const std::string& who, double x_m, double y_m, double z_m, const char* way_out) {
+    const auto ground_m = parts.terrain_height_m(x_m, y_m);
+    if (!ground_m || z_m >= *ground_m) return false;
+    notices.push_back(simulation.file + ": " + who + " stands under the terrain: at z = " + short_text(z_m) +
+                      " m, where the ground lies at " + short_text(*ground_m) + " m" + way_out);
+    return true;
+  };
+  for (const Instrument& one : simulation.instruments)
+    for (const Pose& pose : one.poses)
+      if (told("instrument '" + one.name + "'", pose.x_m, pose.y_m, pose.z_m,
+               "; it sees the ground from below: raise it, or give altitude_agl_m"))
+        break;
+  for (const Lidar& one : simulation.lidars)
+    for (const LidarPose& pose : one.trajectory)
+      if (told("LIDAR '" + one.name + "'", pose.x_m, pose.y_m, pose.z_m,
+               "; its pulses meet the ground from below: raise it, or give altitude_agl_m"))
+        break;
+  for (const Lamp& one : simulation.lamps)
+    for (const auto& at : one.position_m)
+      if (told("lamp '" + one.name + "'", at[0], at[1], at[2],
+               ", and lights nothing above it; on_terrain = true counts its z from the ground"))
+        break;
 }
 
 }  // namespace raycube::scene

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "scene_compiler/scene_builder.h"
+#include "scene_compiler/simulation.h"
 
 namespace raycube::scene {
 
@@ -30,9 +32,12 @@ PlacedBox box_around(const std::vector<PlacedBox>& boxes);
 void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& boxes, const std::string& file,
                       std::vector<std::string>& notices, base::Problems& problems);
 
-/// Objects whose box lies below the highest terrain at its four corners and its middle, where all of these are on one:
-/// nothing above sees them. Told once: how many, and the first.
-void tell_of_buried(const SceneParts& parts, const std::vector<PlacedBox>& boxes, const std::string& file,
-                    std::vector<std::string>& notices);
+/// Numbers of the objects whose box lies below the highest terrain at its four corners and its middle, where all of
+/// these are on one: nothing above sees them. Told once: how many, and the first.
+std::vector<std::uint32_t> find_buried(const SceneParts& parts, const std::vector<PlacedBox>& boxes,
+                                       const std::string& file, std::vector<std::string>& notices);
+
+/// Cameras, LIDARs and lamps that stand below the highest terrain at their place, each told once with the first place.
+void tell_of_buried(const SceneParts& parts, const Simulation& simulation, std::vector<std::string>& notices);
 
 }  // namespace raycube::scene
