@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/memory.h"
+#include "host/planner/seconds_text.h"
 
 namespace raycube::cli {
 
@@ -83,8 +84,8 @@ std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& f
              base::format_bytes(forecast.truth_bytes)) +
          (estimated_s
               ? fmt::format(
-                    "  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n",
-                    *estimated_s)
+                    "  time      about {} s to render, and the first time some seconds for the device's compiler\n",
+                    planner::seconds_text(*estimated_s))
               : "");
 }
 

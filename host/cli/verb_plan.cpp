@@ -13,6 +13,7 @@
 #include "host/run/load_job.h"
 #include "host/planner/plan_file.h"
 #include "host/planner/plan_lines.h"
+#include "host/planner/seconds_text.h"
 
 namespace raycube::cli {
 
@@ -44,7 +45,7 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
   said.table = planner::lines_text(lines);
   said.summary = fmt::format(
       "  estimated error {} of {:.3g} %: nodes and components {}{}, {}, each of its own worst band; {}\n"
-      "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {:.2g} s per megapixel on the nominal "
+      "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {} s per megapixel on the nominal "
       "machine\n"
       "  trial           {} pixels, {:.2g} rays\n",
       planner::percent_text(d.total_error), 100 * simulation.tolerance, planner::percent_text(d.plan_error),
@@ -54,7 +55,7 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
                 d.model_pixels, planner::percent_text(d.plan_estimate))
           : "",
       planner::drawn_text(d), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT", d.counts.rays(), d.counts.terms,
-      d.counts.bands, d.s_per_megapixel, d.trial_pixels, static_cast<double>(d.trial_rays));
+      d.counts.bands, planner::seconds_text(d.s_per_megapixel), d.trial_pixels, static_cast<double>(d.trial_rays));
   said.entry = {instrument.name, false, d.sampling, 0, planner::axes_json(job.plan), planner::decision_json(d, lines)};
   said.notes = d.notes;
   return said;

@@ -24,6 +24,10 @@ struct CameraForecast {
 CameraForecast forecast_camera(const scene::CompiledScene& scene, const CameraJob& job,
                                const render::RenderOptions& options, std::size_t tile_samples);
 
+/// Seconds a render will take on the nominal machine (planner::CostModel): its samples, and those that small objects'
+/// pixels get besides.
+double nominal_render_s(const CameraJob& job);
+
 /// Seconds a render will take on the renderer's device without reading, planning and building programs: the time of
 /// short stretches of four lines spread over the image, times the pixels. Good to about a factor of two: small tiles
 /// meet neither the writing nor memory that is touched for the first time.

@@ -13,7 +13,9 @@
 #include "host/cl/device.h"
 #include "host/planner/own_error.h"
 #include "host/planner/plan_lines.h"
+#include "host/planner/seconds_text.h"
 #include "host/run/cube_products.h"
+#include "host/run/forecast.h"
 #include "host/run/load_job.h"
 #include "host/run/spread_image.h"
 
@@ -132,10 +134,9 @@ void add_small_objects(const CameraJob& job, const render::RenderStatistics& sta
 /// What the render will take and err by, before it begins.
 void say_what_it_takes(const CameraJob& job, Services& services) {
   const planner::Decision& d = job.decision;
-  const double pixels = static_cast<double>(job.instrument->pixels) * job.instrument->lines;
   services.log.info(fmt::format(
-      "{}: {:.0f} samples and {:.0f} sky rays a pixel, some {:.2g} s on two cores; {}", job.instrument->name,
-      d.counts.samples, d.counts.sky_rays, planner::CostModel().whole_image_s(d.counts, pixels),
+      "{}: {:.0f} samples and {:.0f} sky rays a pixel, some {} s on two cores; {}", job.instrument->name,
+      d.counts.samples, d.counts.sky_rays, planner::seconds_text(nominal_render_s(job)),
       d.total_error >= 0
           ? fmt::format("estimated error {} of {:.3g} %", planner::percent_text(d.total_error), 100 * d.tolerance)
           : std::string("its error is judged when it is done")));

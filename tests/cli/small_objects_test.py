@@ -7,6 +7,7 @@ Without --full: one kind of samples and one seed of those that are handled alike
 import json
 import pathlib
 import random
+import re
 import sys
 import tempfile
 
@@ -147,6 +148,16 @@ with tempfile.TemporaryDirectory() as temporary:
     on = site(folder, "on.toml", plates, 'samples = { grid = [3, 3] }\nsmall_objects = "on"')
     run("render", on, "-o", folder / "on", "-q")
     check(all(0.8 < share < 1.2 for share in found(folder / "on" / "camera", plates)[0]))
+    # The seconds that are announced count those samples: nominal ones, 5e-8 s a sample with its ray to the sun.
+    specks = site(folder, "specks.toml", targets(0.05), 'samples = { grid = [3, 3] }\nsmall_objects = "on"')
+    seconds = []
+    for more in ((), ("--set", 'instrument.camera.small_objects="off"')):
+        said = run("render", specks, "-o", folder / "specks", "--overwrite", *more).stderr
+        seconds.append(float(re.search(r", some (?:less than )?([\d.]+) s on two cores", said)[1]))
+        if not more:
+            levels = record(folder / "specks" / "camera")["small_objects"]
+            samples = sum(level["pixels"] * level["samples_per_pixel"] for level in levels)
+    check(samples > 2e6 and 0.9 < seconds[0] / (5e-8 * samples) < 2 and seconds[1] < 0.03, seconds, samples)
     off = site(folder, "off.toml", plates, 'samples = { grid = [3, 3] }\nsmall_objects = "off"')
     check("may be missed" not in run("render", off, "-o", folder / "off").stderr)
     check(record(folder / "off" / "camera")["digest"] == kept["digest"])
