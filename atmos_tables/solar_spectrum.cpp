@@ -24,6 +24,7 @@ constexpr SolarNode kE490[] = {
 };
 constexpr double kFarKelvin = 5000;  ///< brightness temperature of the sun's far infrared, good to 10 % to 1000 um
 constexpr double kJoint_um = 0.05;
+constexpr double kStraight = 1e-3;  ///< of the irradiance: nodes nearer to a line hide none of the sun's lines
 /// A table reaches this part of a wavelength beyond a file's end without a word: its outer bins do.
 constexpr double kBesideEnd = 0.005;
 
@@ -122,6 +123,25 @@ double SolarSpectrum::step_um(double wavelength_um) const {
   const auto upper = std::upper_bound(nodes_.begin() + 1, nodes_.end() - 1, 1000 * wavelength_um,
                                       [](double value, const Node& node) { return value < node.wavelength_nm; });
   return (upper->wavelength_nm - upper[-1].wavelength_nm) / 1000;
+}
+
+bool SolarSpectrum::straight(double wavelength_um) const {
+  const double nm = 1000 * wavelength_um;
+  const auto upper = std::upper_bound(nodes_.begin() + 1, nodes_.end() - 1, nm,
+                                      [](double value, const Node& node) { return value < node.wavelength_nm; });
+  const Node &a = upper[-1], &b = *upper;
+  const auto inside = [&](const Node& node) {
+    return is_file_ && node.wavelength_nm >= 1000 * file_first_um_ - 1e-9 &&
+           node.wavelength_nm <= 1000 * file_last_um_ + 1e-9;
+  };
+  if (!inside(a) || !inside(b)) return false;
+  const auto on_line = [&](const Node& node) {
+    if (!inside(node)) return true;  // the file ends here
+    const double line = a.irradiance + (b.irradiance - a.irradiance) * (node.wavelength_nm - a.wavelength_nm) /
+                                           (b.wavelength_nm - a.wavelength_nm);
+    return std::abs(node.irradiance - line) <= kStraight * std::abs(line);
+  };
+  return (upper - 1 == nodes_.begin() || on_line(upper[-2])) && (upper + 1 == nodes_.end() || on_line(upper[1]));
 }
 
 std::optional<std::string> SolarSpectrum::notice(double first_um, double last_um) const {

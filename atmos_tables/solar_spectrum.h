@@ -30,6 +30,9 @@ class SolarSpectrum {
   double mean_1au(double from_um, double to_um) const;
   /// Distance of the nodes around a wavelength: what it resolves.
   double step_um(double wavelength_um) const;
+  /// Whether a file's nodes lie on one line there, with those beside them: a spectrum that is meant so, flat or not, is
+  /// not one whose lines are lost.
+  bool straight(double wavelength_um) const;
   /// Name of the source and what it resolves, for a table's header.
   const std::string& source() const { return source_; }
   /// Whether it is a file's; the shipped ones are averages already, at the nodes of any table.

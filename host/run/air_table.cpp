@@ -195,6 +195,7 @@ std::optional<std::string> coarse_sun_notice(const scene::AtmosphereSpec& spec, 
   for (const scene::Band& band : bands) {
     const double width = width_um(band);
     if (!(band.center_um < kSunLinesTo_um) || !(width < (1 - 1e-6) * sun.step_um(band.center_um))) continue;
+    if (sun.straight(band.center_um)) continue;
     ++finer;
     if (width < narrowest_um) narrowest_um = width, at_um = band.center_um;
   }

@@ -96,6 +96,11 @@ with tempfile.TemporaryDirectory() as name:
     check("finer than the sun" not in built(scene(quick, width_nm=10))[1])
     steps = file("steps.csv", "wavelength_nm,irradiance_W_m2_nm", *(f"{300 + 0.5 * i},1.5" for i in range(2000)))
     check("finer than the sun" not in built(scene(quick + f'solar_spectrum_file = "{steps}"', width_nm=1))[1])
+    # A spectrum that is flat, or a line, hides no lines between its nodes; one with a dip may.
+    check("finer than the sun" not in built(scene(quick + 'solar_spectrum_file = "nm.csv"', width_nm=1))[1])
+    rows = ("300,1.5", "540,1.5", "550,1.0", "560,1.5", "3000,1.5")
+    dip = file("dip.csv", "wavelength_nm,irradiance_W_m2_nm", *rows)
+    check("finer than the sun" in built(scene(quick + f'solar_spectrum_file = "{dip}"', width_nm=1))[1])
     bare_plate = scene('model = "none"', width_nm=1)
     check("finer than the sun's spectrum" in program.run("check", bare_plate, env=env).stderr)
     program.run("render", bare_plate, "-o", folder / "out", env=env)
