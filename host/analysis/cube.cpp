@@ -42,6 +42,8 @@ std::vector<std::pair<double, double>> ranges_of(const std::string& text, const 
   return out;
 }
 
+constexpr double kLeast_nm = 50;  ///< no cube has shorter wavelengths
+
 /// Numbers, from 0, of the bands that a choice names.
 std::vector<std::size_t> bands_of(const BandChoice& choice, const products::EnviHeader& header,
                                   const std::string& path) {
@@ -61,9 +63,16 @@ std::vector<std::size_t> bands_of(const BandChoice& choice, const products::Envi
     if (um.empty())
       throw Error(Fault::input,
                   path + ": its header " + header.why_no_wavelengths() + "; choose bands by --bands instead");
-    for (const auto& [low, high] : ranges_of(choice.wavelengths_nm, "--wavelengths"))
+    const double last_um = *std::max_element(um.begin(), um.end());
+    for (const auto& [low, high] : ranges_of(choice.wavelengths_nm, "--wavelengths")) {
       for (std::size_t b = 0; b < count; ++b)
         if (good(b) && um[b] * 1e3 >= low && um[b] * 1e3 <= high) out.insert(b);
+      // Below 50 nm no band lies, and the whole range may be of micrometres.
+      if (high < kLeast_nm && low <= last_um)
+        throw Error(Fault::input, fmt::format("--wavelengths {}: is in nm, and {:g}:{:g} looks like micrometres; give "
+                                              "{:g}:{:g}",
+                                              choice.wavelengths_nm, low, high, 1e3 * low, 1e3 * high));
+    }
   }
   if (choice.numbers.empty() && choice.wavelengths_nm.empty())
     for (std::size_t b = 0; b < count; ++b)

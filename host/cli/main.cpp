@@ -52,8 +52,11 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
   // "help render" is "render --help".
   std::vector<char*> words(argv, argv + argc);
   std::string flag = "--help";
-  if (argc > 1 && std::string_view(argv[1]) == "help") words.erase(words.begin() + 1), words.push_back(flag.data());
-  const auto parsed = cli::parse_command_line(argc, words.data(), verbs, values);
+  if (argc > 1 && std::string_view(argv[1]) == "help") {
+    while (words.size() > 1 && std::string_view(words[1]) == "help") words.erase(words.begin() + 1);
+    words.push_back(flag.data());
+  }
+  const auto parsed = cli::parse_command_line(static_cast<int>(words.size()), words.data(), verbs, values);
   int status = 0;
   if (!parsed.verb) {
     std::cout << parsed.text;

@@ -113,6 +113,11 @@ Parsed parse_command_line(int argc, const char* const* argv, const std::vector<V
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
     const Node* node = named(nodes);
+    // "help nonsense", "scene nonsense --help": what there is no help of is told.
+    const auto extras = node ? node->app->remaining() : app.remaining();
+    const bool wants_verb = !node || !node->verb->run;
+    if (wants_verb && !extras.empty() && extras.front().rfind("-", 0) != 0)
+      unknown_verb(extras.front(), node ? node->path : "", node ? node->verb->verbs : verbs);
     return {nullptr, node ? verb_help(node->path, *node->verb) : program_help(verbs)};
   } catch (const CLI::ExtrasError&) {
     const Node* node = named(nodes);

@@ -308,6 +308,10 @@ def ignored(folder):
     close(numbers["regions"][0]["mean"], integers[kept][:, [0, 1, 3, 4, 5]].mean(0) / 100, what="scaled")
     program.check(analyze(folder, "statistics", path, "--bands", "2:3,5")["bands"] == [2, 3, 5], "--bands")
     program.check(analyze(folder, "statistics", path, "--wavelengths", "440:560")["bands"] == [2, 4], "--wavelengths")
+    for typed in ("0.4:0.7", "440:560,0.4:0.7"):
+        says = ["is in nm, and 0.4:0.7 looks like micrometres; give 400:700"]
+        folder_of = ("-o", folder / "micrometres")
+        program.refused("analyze", "statistics", path, "--wavelengths", typed, *folder_of, status=2, says=says)
     cube[4, 5, 2] = np.nan
     for text, value in (
         ("-1e+34", np.float32(-1e34)),

@@ -61,6 +61,11 @@ kFaults = {
         {},
         ["scene.toml:19:1: unknown key in [instrument] (found 'gsd_cm'); did you mean 'gsd_m'?"],
     ),
+    "key without a word": (
+        [("altitude_agl_m", "altitude_m")],
+        {},
+        ["scene.toml:18:1: unknown key in [instrument] (found 'altitude_m'); did you mean 'altitude_agl_m'?"],
+    ),
     "wrong unit in a file": (
         [kDarkFile],
         spectrum("0.3,0.1\n2.5,0.2\n"),

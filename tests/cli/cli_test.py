@@ -50,6 +50,11 @@ check(run("-h").stdout == help_text)
 one_error(run(status=2), "name a verb")
 one_error(run("rendr", status=2), "unknown verb \"rendr\"")
 one_error(run("--frob", status=2), "no option --frob")
+check(run("help").stdout == help_text and run("help", "help").stdout == help_text)
+check(run("help", "render").stdout == run("render", "--help").stdout)
+check(run("help", "scene", "check").stdout == run("scene", "check", "--help").stdout)
+one_error(run("help", "rendr", status=2), "unknown verb \"rendr\"; did you mean render?")
+one_error(run("help", "scene", "chek", status=2), "unknown verb \"chek\"; did you mean check?")
 
 
 def walk(path, verb):
