@@ -1,10 +1,12 @@
-# A relocatable installation: the program (kernels inside), its man page, and plots, scenes and the compiled kernels of
-# a first scene under share/raycube, found relative to the executable (host/base/data_folder.h). `cpack -G DEB` makes a
-# Debian package of the same files.
+# A relocatable installation: the program (kernels inside), its man page, the pages that these name, and plots, scenes
+# and the compiled kernels of a first scene under share/raycube, found relative to the executable
+# (host/base/data_folder.h). `cpack -G DEB` makes a Debian package of the same files.
 include(GNUInstallDirs)
 install(TARGETS raycube RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${CMAKE_BINARY_DIR}/raycube.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES bench/RESULTS.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN "*.py" EXCLUDE PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/raycube USE_SOURCE_PERMISSIONS
         PATTERN "__pycache__" EXCLUDE PATTERN "*.pyc" EXCLUDE)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/raycube/kernels DESTINATION ${CMAKE_INSTALL_DATADIR}/raycube OPTIONAL)

@@ -40,6 +40,16 @@ with tempfile.TemporaryDirectory() as folder:
     for verb in verbs:
         assert f".SS {verb}" in manual, verb
     assert "EXIT STATUS" in manual
+    # Pages that messages, the man page and the installed pages themselves refer to are installed.
+    pages = prefix / "share/doc/raycube"
+    named = {name.decode() for name in re.findall(rb"docs/[a-z_]+\.md", program.read_bytes())}
+    named.update(re.findall(r"docs/[a-z_]+\.md", manual))
+    assert {"docs/scene_format.md", "docs/studies.md"} <= named, named
+    for name in sorted(named):
+        assert (pages / name).is_file(), f"{name} is named and not installed"
+    for page in (pages / "README.md", *(pages / "docs").glob("*.md")):
+        for link in re.findall(r"\]\(([^)#:]+\.(?:md|png))(?:#[^)]*)?\)", page.read_text()):
+            assert (page.parent / link).is_file(), f"{page.name} refers to {link}, which is not installed"
     assert (prefix / "share/raycube/scenes/park/park.toml").is_file()
     built = sorted(path.name for path in (build / "share/raycube/kernels").glob("*.kernels"))
     installed = prefix / "share/raycube/kernels"
