@@ -19,8 +19,8 @@ constexpr int kPoints = 6;         ///< that pixels between pixels are interpola
 constexpr int kCheckPoints = 8;    ///< that tell what six leave
 constexpr std::size_t kPatch = 8;  ///< pixels of a patch: what is left over is taken for alike inside of one
 
-/// Shift along one axis: whole pixels, and the weights of as many neighbours as Lagrange's polynomial goes through, with
-/// their derivatives by the shift.
+/// Shift along one axis: whole pixels, and the weights of as many neighbours as Lagrange's polynomial goes through,
+/// with their derivatives by the shift.
 struct Reach {
   std::int64_t first = 0;  ///< neighbour of pixel 0 that has the first weight
   std::vector<double> weight, slope;
@@ -137,9 +137,9 @@ Step step_of(const Picture& a, const Picture& b, const std::array<std::size_t, 4
   return out;
 }
 
-/// Standard errors of the shift: of the least squares, by what is left over, pixel by pixel or patch by patch, whichever
-/// is more (what edges and waves leave is alike in neighbours); and what six points are off by, the step that eight
-/// would still make.
+/// Standard errors of the shift: of the least squares, by what is left over, pixel by pixel or patch by patch,
+/// whichever is more (what edges and waves leave is alike in neighbours); and what six points are off by, the step that
+/// eight would still make.
 std::array<double, 2> errors_of(const Picture& a, const Picture& b, const std::array<std::size_t, 4>& box,
                                 const Shift& shift, const Step& last) {
   std::vector<Eigen::Vector4d> patch(((box[2] + kPatch - 1) / kPatch) * ((box[3] + kPatch - 1) / kPatch),
