@@ -16,7 +16,7 @@
 namespace raycube::base {
 namespace {
 
-constexpr int kLook_ms = 5;    ///< between two looks at what has ended
+constexpr int kLook_ms = 5;      ///< between two looks at what has ended
 constexpr int kGrace_ms = 3000;  ///< from being told to end to being killed
 constexpr char kEndIt = 'e', kGoOn = 0;
 

@@ -25,7 +25,7 @@ scene::Simulation load(Invocation& invocation, const std::string& file) {
   scene::LoadOptions options;
   options.overrides = invocation.common.set;  // of `check` alone
   auto simulation = scene::load_simulation(file, options);
-  if (compile) run::keep_within_air(simulation);
+  run::keep_within_air(simulation);
   for (const auto& notice : simulation.notices) invocation.log.warning(notice);
   return simulation;
 }

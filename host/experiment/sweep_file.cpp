@@ -21,8 +21,7 @@ double as_typed(double value) { return std::stod(fmt::format("{:.15g}", value)) 
 
 void read_range(StudyTable& table, Parameter& out) {
   for (const char* key : {"from", "to"})
-    if (!table.has(key))
-      return table.problem("name", "a range has two ends", fmt::format("no '{}'", key), "give it");
+    if (!table.has(key)) return table.problem("name", "a range has two ends", fmt::format("no '{}'", key), "give it");
   out.from = table.number("from"), out.to = table.number("to");
   out.logarithmic = table.text("scale") == "log";
   if (!(out.to > out.from)) table.problem("to", "to must lie above from", fmt::format("{}", out.to), "exchange them");
