@@ -86,7 +86,7 @@ def stands(folder):
     ):
         said = notices(folder, text)
         says = f"{who} stands under the terrain: at z = {z} m, where the ground lies at {ground}"
-        check(len(said) == 1 and says in said[0], said)
+        check(len(said) == 1 and says in said[0], text, said)
     for text in (ABOVE, LIDAR % "0.0, 0.0, 300.0", LAMP % "270.0" + ABOVE, CAMERA + "altitude_agl_m = 100.0\n"):
         check(notices(folder, text) == [], text)
 
