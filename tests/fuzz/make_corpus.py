@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes the binary files of tests/fuzz/corpus anew. All are made here, of numbers of our own, under the project's
-licence; none is anybody else's. Text files of the corpora are their own source. Pictures and rasters are written by
+licence; none is anybody else's. It needs Debian's python3-gdal, which no test does.
+Text files of the corpora are their own source. Pictures and rasters are written by
 GDAL (their bytes may differ by its version, which no test minds), compiled scenes by raycube; a scene is due anew
 whenever the version of .rcs files rises. usage: make_corpus.py RAYCUBE [FOLDER, default the corpus]"""
 
