@@ -25,10 +25,6 @@
 #define RC_HAS_GATHER 1
 #define RC_HAS_GATHER512 1
 #endif
-#if defined(__AVX512F__) && __has_builtin(__builtin_ia32_rsqrt14ps512_mask) && \
-    __has_builtin(__builtin_ia32_rcp14ps512_mask)
-#define RC_HAS_INVERSE512 1
-#endif
 /* What processors without AVX-512 have of it. */
 #if defined(__AVX__) && __has_builtin(__builtin_ia32_movmskps256)
 #define RC_HAS_SIGNS256 1
@@ -109,30 +105,6 @@ RC_OVERLOAD uint16 rc_load16(size_t i, const global uint* p) { return vload16(i,
 #define rc_store16(v, i, p) vstore16(v, i, p)
 #define rc_load16(i, p) vload16(i, p)
 #endif
-
-/* 1 / v, to 2 ulp; NaN of 0 and infinities. Of sixteen a divider takes as long as of thirty products. */
-static inline float16 rc_inverse16(float16 v) {
-#ifdef RC_HAS_INVERSE512
-  const float16 x = __builtin_ia32_rcp14ps512_mask(v, (float16)(0.0f), (ushort)65535);
-  return fma(x, fma(-v, x, (float16)(1.0f)), x); /* Newton's step: 14 bits become 28 */
-#else
-  return 1.0f / v;
-#endif
-}
-/* 1 / sqrt(v), to 2 ulp; v > 0. */
-static inline float16 rc_inverse_root16(float16 v) {
-#ifdef RC_HAS_INVERSE512
-  const float16 y = __builtin_ia32_rsqrt14ps512_mask(v, (float16)(0.0f), (ushort)65535);
-  return fma(y, fma(-0.5f * v * y, y, (float16)(0.5f)), y);
-#else
-  return 1.0f / sqrt(v);
-#endif
-}
-/* sqrt(v), to 1 ulp, from what the other gives of it. */
-static inline float16 rc_root16(float16 v, float16 inverse_root) {
-  const float16 root = v * inverse_root;
-  return fma(fma(-root, root, v), 0.5f * inverse_root, root);
-}
 
 /* Sum of the lanes by one fixed tree. */
 static inline float rc_lane_sum(float16 v) {

@@ -38,10 +38,10 @@ static inline Leg16 rc_leg16(float4 c, Vector16 e) {
   Leg16 leg;
   leg.way = rc_plus16(rc_vector16(c), e);
   const float16 square = rc_max16(rc_dot16(leg.way, leg.way), (float16)(1e-30f));
-  leg.inverse = rc_inverse_root16(square);
-  leg.range = rc_root16(square, leg.inverse);
+  leg.range = sqrt(square);
+  leg.inverse = 1.0f / leg.range;
   const float16 dot = fma((float16)(c.x), e.x, fma((float16)(c.y), e.y, c.z * e.z));
-  leg.more = fma((float16)(2.0f), dot, rc_dot16(e, e)) * rc_inverse16(leg.range + c.w);
+  leg.more = fma((float16)(2.0f), dot, rc_dot16(e, e)) / (leg.range + c.w);
   return leg;
 }
 

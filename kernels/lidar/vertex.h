@@ -127,7 +127,7 @@ RC_ALWAYS static inline float16 rc_meet_planes(global const Instance* placed, co
     d = rc_turn16(l0, l1, l2, d);
   }
   const Vector16 n = planes->normal;
-  const float16 nd = rc_dot16(n, d), over_nd = rc_inverse16(nd);
+  const float16 nd = rc_dot16(n, d), over_nd = 1.0f / nd;
   const Vector16 to_corner = rc_minus16(rc_minus16(planes->corner, o), s);
   float16 tau = rc_dot16(n, to_corner) * over_nd;
   tau = fma(rc_dot16(n, rc_along16(to_corner, -tau, d)), over_nd, tau);
