@@ -16,7 +16,12 @@ constexpr double kShapeError = 3e-4;
 /// Without noise a fit takes every bin as known to this share of the highest.
 constexpr double kWithoutNoise = 0.01;
 constexpr std::size_t kMostMore = 3;  ///< components of a group beside its peaks
-constexpr int kPhases = 8;            ///< of a bin, at which the pulse itself is measured
+/// Two equal pulses under one maximum are together at most sqrt(2) times as wide as one.
+constexpr double kWiderThanTwo = 1.5;
+/// A return is symmetric below this skewness: a pulse of half the light, as near as it can be without a maximum of its
+/// own, brings 0.3.
+constexpr double kSymmetric = 0.2;
+constexpr int kPhases = 8;  ///< of a bin, at which the pulse itself is measured
 constexpr std::size_t kKnownLate = 16;
 
 /// Rounded to a twelfth: what a fit finds of the pulse changes slowly with its strength.
@@ -137,7 +142,10 @@ EchoFinder::Group EchoFinder::fit_peaks(std::size_t first_peak, std::size_t last
 void EchoFinder::fit_group(std::size_t first_peak, std::size_t last_peak, std::vector<Echo>& out) {
   Group group = fit_peaks(first_peak, last_peak);
   static_assert(kMostPeaks + kMostMore <= GaussianFit::kMostEchoes);
-  const std::size_t most = fitted_.size() + kMostMore, bins = group.last - group.first;
+  const std::size_t bins = group.last - group.first,
+                    most = last_peak - first_peak == 1 && is_of_one_slope(peaks_[first_peak])
+                               ? 1
+                               : fitted_.size() + kMostMore;
   while (fitted_.size() < most && 3 * fitted_.size() + 3 < bins && group.chi > static_cast<double>(bins) + 30 &&
          add_component(group.first, group.last, group.chi, group.floor, group.excess)) {
   }
@@ -152,6 +160,22 @@ void EchoFinder::fit_group(std::size_t first_peak, std::size_t last_peak, std::v
     out.push_back(echo_at(echo.position - late.bins, echo.area * std::erf(0.5 / (echo.sigma * std::sqrt(2.0))),
                           echo.area / late.area, base::kFwhmOfSigma * echo.sigma, saturated(left, right)));
   }
+}
+
+/// An even beam on a slope sends back what is flat and ends steeply: no Gaussian, and not several either. So is taken
+/// what one Gaussian fits widely and whose two sides are alike.
+bool EchoFinder::is_of_one_slope(const Peak& peak) const {
+  if (lidar_.pulse.profile != scene::BeamProfile::uniform || fitted_.front().sigma < kWiderThanTwo * sigma_bins_)
+    return false;
+  double light = 0, first = 0, second = 0, third = 0;
+  for (std::size_t i = peak.left; i < peak.right; ++i)
+    light += smooth_[i], first += smooth_[i] * static_cast<double>(i - peak.left);
+  const double mean = first / light;
+  for (std::size_t i = peak.left; i < peak.right; ++i) {
+    const double off = static_cast<double>(i - peak.left) - mean;
+    second += smooth_[i] * off * off / light, third += smooth_[i] * off * off * off / light;
+  }
+  return std::abs(third) < kSymmetric * second * std::sqrt(second);
 }
 
 /// Where what the fit leaves over is highest another component is tried; whether it stays.

@@ -44,8 +44,12 @@ void mark_cut(const scene::Lidar& lidar, double sigma_s, std::vector<Echo>& echo
 
 /// Of a return's highest bin: what is looked at without smoothing.
 constexpr double kUpper = 0.25;
-/// A sub-ray or two that stand alone within so many widths of the pulse of a return are its own.
-constexpr double kLoneRays = 2, kLoneWidths = 2;
+/// A sub-ray or two that stand alone within so many widths of the pulse of a return, or this part of its depth, are its
+/// own: the outermost of a round beam lie apart as the footprint is wide, however short the pulse.
+constexpr double kLoneRays = 2, kLoneWidths = 2, kLoneDepth = 0.25;
+/// So are more of them, no more than the waveform's own error, where the gap is no wider than chance leaves in a slope
+/// as thin as they are: exp(-5) of such gaps.
+constexpr double kByChance = 5;
 /// Dips of fewer standard deviations of the waveform's own error part no peaks.
 constexpr double kRipple = 3;
 /// A return whose flank is longer by so much than the pulse's may come from many ranges.
@@ -227,28 +231,27 @@ bool EchoFinder::split_unsmoothed(std::size_t k) {
 /// Where the outermost sub-rays of a slope stand apart, each would be a return of its own. Only a return
 /// that is itself stretched by more than the gap has such: what stands beside a narrow one is another surface.
 void EchoFinder::drop_lone_rays() {
-  const double most = kLoneRays * light_ / std::max(1, lidar_.transport.subrays);
+  const double a_ray = light_ / std::max(1, lidar_.transport.subrays);
   const double sigma = std::hypot(sigma_bins_, used_->sigma_bins),
                near = kLoneWidths * base::kFwhmOfSigma * sigma_bins_;
-  const auto is_lone = [&](const Peak& peak) {
+  // Of a pulse that one range alone sends back, what is above the hundredth at which a return is followed.
+  const double reach = sigma * std::sqrt(2 * std::log(100.0));
+  const auto depth_of = [&](const Peak& peak) { return static_cast<double>(peak.right - peak.left) - 2 * reach; };
+  /// Whether `peak` is what stands apart of `other`.
+  const auto is_of = [&](const Peak& peak, const Peak& other) {
     double light = 0, of_surfaces = 0;
     for (std::size_t i = peak.left; i < peak.right; ++i)
       light += smooth_[i], of_surfaces += surfaces_.empty() ? smooth_[i] : surfaces_[i];
-    return light < most && of_surfaces > 0.5 * light;
-  };
-  // Of a pulse that one range alone sends back, what is above the hundredth at which a return is followed.
-  const double reach = sigma * std::sqrt(2 * std::log(100.0));
-  const auto stretched = [&](const Peak& one, const Peak& other) {
-    const Peak& early = one.at < other.at ? one : other;
-    const Peak& late = one.at < other.at ? other : one;
+    const Peak& early = peak.at < other.at ? peak : other;
+    const Peak& late = peak.at < other.at ? other : peak;
     const double edges = static_cast<double>(late.left) - static_cast<double>(early.right), gap = edges + 2 * reach;
-    const double depth = static_cast<double>(other.right - other.left) - 2 * reach;
-    return edges < near && depth > gap;
+    const double depth = depth_of(other);
+    if (edges >= std::max(near, kLoneDepth * depth) || depth <= gap || of_surfaces <= 0.5 * light) return false;
+    const double by_chance = light / a_ray * gap / (gap + std::max(0.0, depth_of(peak)));
+    return light < kLoneRays * a_ray || (light < waveform_error_ * light_ && by_chance < kByChance);
   };
   for (std::size_t k = 0; k < peaks_.size() && peaks_.size() > 1;) {
-    const bool beside = (k > 0 && stretched(peaks_[k], peaks_[k - 1])) ||
-                        (k + 1 < peaks_.size() && stretched(peaks_[k], peaks_[k + 1]));
-    if (beside && is_lone(peaks_[k]))
+    if ((k > 0 && is_of(peaks_[k], peaks_[k - 1])) || (k + 1 < peaks_.size() && is_of(peaks_[k], peaks_[k + 1])))
       peaks_.erase(peaks_.begin() + static_cast<std::ptrdiff_t>(k)), k = 0;
     else
       ++k;

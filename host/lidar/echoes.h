@@ -94,6 +94,7 @@ class EchoFinder {
   };
   Group fit_peaks(std::size_t first_peak, std::size_t last_peak);
   void fit_group(std::size_t first_peak, std::size_t last_peak, std::vector<Echo>& out);
+  bool is_of_one_slope(const Peak& peak) const;
   bool add_component(std::size_t first, std::size_t last, double& chi, double floor, double excess);
   void split(const GaussianEcho& one, std::vector<GaussianEcho>& two) const;
   std::ptrdiff_t wide(const std::vector<GaussianEcho>& echoes) const;

@@ -72,9 +72,9 @@ struct BatchBuffers {
   BatchBuffers(const cl::Context& context, const LidarTables& t, std::size_t owners, std::size_t lines,
                std::size_t padded_rays, bool with_hits)
       : shots(context, owners * RC_SHOT_FLOAT4S, cl::Access::read_only, "records of shots"),
-        first(context, owners * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
-        multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write,
-                 "rows of shots, multiple scattering"),
+        first(context, owners * t.floats_of_sum * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
+        multiple(context, t.multiple ? owners * t.floats_of_sum * t.owner_rows * t.row_floats : 16,
+                 cl::Access::read_write, "rows of shots, multiple scattering"),
         stopped(context, t.way ? owners * t.stopped_floats : 16, cl::Access::read_write, "shares of rays stopped"),
         scratch(context, t.way ? owners * t.scratch_floats : 16, cl::Access::read_write, "impulses of air"),
         way(context, t.way ? t.way_rows * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write,
@@ -234,8 +234,8 @@ class Collector {
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t owner = batch.first + i, shot = owner / owners_of_shot_, pixel = owner % owners_of_shot_;
       if (pixel == 0) begin(shots_[shot]);
-      copy_rows(first.data(), i, result_.first);
-      if (tables_.multiple) copy_rows(multiple->data(), i, result_.multiple);
+      copy_rows(first.data(), tables_.floats_of_sum * i, result_.first);
+      if (tables_.multiple) copy_rows(multiple->data(), tables_.floats_of_sum * i, result_.multiple);
       if (tables_.way) {
         if (tables_.air_rows) copy_rows(way->data(), tables_.way_rows * i, result_.air);
         if (tables_.way_rows > 1) {
@@ -332,7 +332,7 @@ class Collector {
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
   return tables.owner_rows * tables.row_floats * sizeof(float) *
-             (1 + (tables.multiple ? 1 : 0) + (tables.way ? tables.way_rows : 0)) +
+             (tables.floats_of_sum * (tables.multiple ? 2 : 1) + (tables.way ? tables.way_rows : 0)) +
          (tables.way ? (tables.stopped_floats + tables.scratch_floats) * sizeof(float) +
                            tables.owner_rows / lines * RC_BEAM_FLOATS * sizeof(float) + RC_SHOT_FLOAT4S * 16
                      : 0) +
@@ -376,7 +376,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   const std::size_t padded_rays = RC_PADDED(plan.footprint.a.size()),
                     bytes = owner_bytes(tables, lines, padded_rays, hits);
   const auto& info = s.context.device().info();
-  const std::size_t row_bytes = tables.owner_rows * tables.row_floats * sizeof(float);
+  const std::size_t row_bytes = tables.floats_of_sum * tables.owner_rows * tables.row_floats * sizeof(float);
   const std::size_t budget = std::min<std::size_t>(s.tile_budget(), info.max_alloc_bytes * (bytes / row_bytes));
   if (bytes > budget)
     throw base::Error(base::Fault::input,
@@ -390,7 +390,8 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   const std::vector<std::size_t> shape{owners,
                                        tables.owner_rows,
                                        tables.row_floats,
-                                       std::size_t{tables.multiple},
+                                       tables.multiple ? tables.floats_of_sum : 0,
+                                       tables.floats_of_sum,
                                        tables.way ? tables.way_rows : 0,
                                        lines,
                                        hits ? padded_rays : 0,

@@ -23,11 +23,13 @@ constexpr std::size_t kRowWindow = 4096;
 /// Of so few rays that every cell of a bin has about one, each adds its own pulse sooner than moments do (19 sub-rays:
 /// by a tenth).
 constexpr std::size_t kFewestFoldedRays = 48;
+/// So many equal hits a float adds up to 1e-6; more that are added one by one, to pixels of an array or of a pulse
+/// without width, need two (65 536 lose 1.3e-4 in one).
+constexpr int kRaysOfAFloat = 512;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Half divergence below which a bundle's rounding, 16 ulp of a direction, passes 5 % of its unit: single rays are
 /// faster then.
 constexpr double kNarrow = 2e-5;
-
 
 /// As struct Scatter of kernels/geometry/primary_frame.h, chunk after chunk.
 std::vector<float> bundle_samples(const lidar::Footprint& footprint, int chunk) {
@@ -256,6 +258,8 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   fill_volumes(plan, scene, tables);
   fill_taps(plan, tables);
   fill_settings(plan, tables);
+  const bool folded = (tables.features & (RC_FEATURE_FOLDED | RC_FEATURE_PIXELS)) == RC_FEATURE_FOLDED;
+  if (!folded && rays > kRaysOfAFloat) tables.features |= RC_FEATURE_RESTS, tables.floats_of_sum = 2;
   set_programs(plan, scene, tables);
   for (const double photons : plan.photons) tables.photons.push_back(static_cast<float>(photons));
   for (const auto& node : plan.nodes) tables.node_weight.push_back(static_cast<float>(node.weight));

@@ -28,6 +28,7 @@ struct LidarTables {
   std::size_t owner_rows = 0;                           ///< of one order of scattering
   std::size_t stopped_floats = 0;                       ///< of an owner: rows of rays stopped, rays of every pixel
   std::size_t scratch_floats = 0;  ///< of an owner: impulses of the air's return, shares of the pulse
+  std::size_t floats_of_sum = 1;   ///< a bin of an owner of several pixels may be a sum of two floats
   bool multiple = false;           ///< rows of light scattered more than once
 };
 

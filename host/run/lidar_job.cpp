@@ -15,6 +15,7 @@
 #include "host/lidar/air_column.h"
 #include "host/lidar/make_lidar_plan.h"
 #include "host/planner/plan_file.h"
+#include "host/run/other_pulses.h"
 
 namespace raycube::run {
 
@@ -38,9 +39,9 @@ std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulatio
 namespace {
 
 /// A run is not lost because its error cannot be told.
-void find_error(render::LidarRenderer& renderer, LidarJob& job) {
+void find_error(render::LidarRenderer& renderer, const lidar::LidarPlan& seen, LidarJob& job) {
   try {
-    job.error = planner::own_error(renderer, job.plan, job.decision);
+    job.error = planner::own_error(renderer, seen, job.decision);
   } catch (const base::Error& failure) {
     if (failure.fault() == base::Fault::interrupted) throw;
     job.error.from = failure.what();
@@ -65,19 +66,23 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   job.table_s = base::seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());
+  // Light that is folded into the gate is tried where it comes from.
+  lidar::LidarPlan seen =
+      planning.renderer ? OtherPulses(simulation, job.plan).brightest(job.plan, *planning.renderer) : job.plan;
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path);
     job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), job.plan,
                                      simulation.tolerance, planning.replay_path);
   } else if (planning.renderer) {
-    job.decision = planner::decide_subrays(*planning.renderer, job.plan, simulation.tolerance, planning.estimate_given);
+    job.decision = planner::decide_subrays(*planning.renderer, seen, simulation.tolerance, planning.estimate_given);
   } else {
     job.decision = planner::subrays_as_given(job.plan, simulation.tolerance);
   }
-  if (job.decision.subrays != job.plan.lidar.transport.subrays) planner::set_subrays(job.plan, job.decision.subrays);
+  for (lidar::LidarPlan* plan : {&job.plan, &seen})
+    if (job.decision.subrays != plan->lidar.transport.subrays) planner::set_subrays(*plan, job.decision.subrays);
   for (const auto& note : job.decision.notes) services.log.warning(note);
   job.error.tolerance = job.decision.tolerance;
-  if (planning.renderer && (job.decision.estimated || planning.own_error)) find_error(*planning.renderer, job);
+  if (planning.renderer && (job.decision.estimated || planning.own_error)) find_error(*planning.renderer, seen, job);
   job.plan.waveform_error = job.decision.pulse_error >= 0 ? job.decision.pulse_error
                             : job.error.known()           ? job.error.total
                                                           : 0;

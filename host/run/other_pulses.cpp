@@ -5,6 +5,7 @@
 #include <map>
 
 #include "host/base/units.h"
+#include "host/planner/lidar_fire.h"
 #include "scene_compiler/lidar_reach.h"
 
 namespace raycube::run {
@@ -25,6 +26,20 @@ std::vector<std::int64_t> periods_back(const scene::CompiledScene& scene, const 
 
 void add(std::vector<float>& to, const std::vector<float>& from) {
   for (std::size_t i = 0; i < std::min(to.size(), from.size()); ++i) to[i] += from[i];
+}
+
+/// Enough to tell gates with light from those without.
+constexpr std::uint64_t kLookPulses = 32;
+constexpr int kLookSubrays = 16;
+
+double light_in(const lidar::LidarPlan& plan, render::LidarRenderer& renderer) {
+  std::uint64_t rays = 0;
+  double sum = 0;
+  for (const auto& row : planner::fire_pulses(renderer, plan, planner::hashed_pulses(plan, kLookPulses),
+                                              {kLookSubrays, plan.seed, false}, rays)
+                             .pulse)
+    for (const float bin : row) sum += double{bin};
+  return sum;
 }
 
 }  // namespace
@@ -66,6 +81,15 @@ void OtherPulses::add_to(std::vector<lidar::ShotResult>& results, render::LidarR
     };
     renderer.render(other.plan, shots, join, hits);
   }
+}
+
+lidar::LidarPlan OtherPulses::brightest(const lidar::LidarPlan& plan, render::LidarRenderer& renderer) const {
+  if (others_.empty()) return plan;
+  const lidar::LidarPlan* out = &plan;
+  double most = light_in(plan, renderer);
+  for (const auto& other : others_)
+    if (const double light = light_in(other.plan, renderer); light > most) most = light, out = &other.plan;
+  return *out;
 }
 
 }  // namespace raycube::run

@@ -24,6 +24,10 @@ class OtherPulses {
   void add_to(std::vector<lidar::ShotResult>& results, render::LidarRenderer& renderer,
               const std::function<void(lidar::Shot&)>& ready, bool hits) const;
 
+  /// The plan whose gate, its own or moved by whole periods, sees most light of surfaces in a few pulses: where
+  /// sub-rays and their error are tried. The one given where no other sees more.
+  lidar::LidarPlan brightest(const lidar::LidarPlan& plan, render::LidarRenderer& renderer) const;
+
  private:
   struct Other {
     std::int64_t back = 0;  ///< periods; below 0: a later pulse

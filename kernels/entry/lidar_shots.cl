@@ -16,7 +16,7 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
   rc_read_plan(plan, &tables);
   tables.samples = samples, tables.exits = exits, tables.optics = optics, tables.lobes = lobes, tables.seed = seed;
   const LidarTables* t = &tables;
-  const size_t own_floats = (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row;
+  const size_t own_floats = rc_floats_of_sum(t) * rc_own_floats(t);
 #if RC_ROW_WINDOW
   RC_LINE float window[RC_ROW_WINDOW];
   const OwnerRows own = {window, window, stopped + (RC_HAS(t, STOPPED) ? owner * rc_stopped_floats(t) : 0)};

@@ -33,7 +33,7 @@
   READ(rc_float4, optics) NEXT() \
   READ(Lobe, lobes) NEXT() \
   RC_LIDAR_TABLE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
-  WRITE(rc_float, first) NEXT()         /* [owner][pixel][line][row], light scattered once */ \
+  WRITE(rc_float, first) NEXT()         /* [owner][sum, rest][pixel][line][row], light scattered once */ \
   WRITE(rc_float, multiple) NEXT()      /* the same, scattered more often */ \
   WRITE(rc_float, stopped) NEXT()       /* [owner][rc_stopped_floats] */ \
   WRITE(rc_long, ledger) NEXT()         /* [owner][line][RC_LEDGER_COUNT] */ \

@@ -90,9 +90,14 @@ typedef struct LidarTables {
 static inline uint rc_row_floats(uint bins, uint padded_taps) { return 2u * padded_taps + RC_PADDED(bins); }
 static inline uint rc_padded_rays(const LidarTables* t) { return RC_PADDED(t->rays); }
 
+/* Of all rows of an owner, of one order of scattering: [pixel][line][row]. */
+static inline size_t rc_own_floats(const LidarTables* t) { return (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row; }
+/* What an owner's bins are sums of: their rests lie behind all of its rows. */
+static inline size_t rc_floats_of_sum(const LidarTables* t) { return RC_HAS(t, RESTS) ? 2u : 1u; }
+
 /* Rays stopped, of an owner: rows [pixel][line], then how many rays each pixel has. */
 static inline size_t rc_stopped_floats(const LidarTables* t) {
-  return (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row + RC_PADDED(RC_OWN_PIXELS(t));
+  return rc_own_floats(t) + RC_PADDED(RC_OWN_PIXELS(t));
 }
 /* Whether they are kept for every pixel: where a ray stays in one, as pupil and exit are one point. */
 static inline bool rc_stops_by_pixel(const LidarTables* t) {

@@ -4,6 +4,15 @@
 
 #include "kernels/lidar/context.h"
 
+/* Adds to bins that are sums of two floats, the rests as far behind as the owner's rows are long: Knuth's two-sum, as
+ * rc_add_float's. */
+static inline void rc_add_bins(const LidarTables* t, RC_ROW_SPACE float* to, float16 more) {
+  RC_ROW_SPACE float* rest = to + rc_own_floats(t);
+  const float16 before = rc_load16(0, to), after = before + more, taken = after - before;
+  rc_store16(rc_load16(0, rest) + ((before - (after - taken)) + (more - taken)), 0, rest);
+  rc_store16(after, 0, to);
+}
+
 /* bin + phase (0 <= phase < 1): position of the pulse's centre. */
 static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2], int bin,
                               float phase, float energy) {
@@ -19,8 +28,12 @@ static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, flo
     global const float* low = t->taps + q * t->padded_taps;
     RC_ROW_SPACE float* to = row + (t->padded_taps + start);
     for (int i = 0; i < t->padded_taps; i += 16) {
-      const float16 a = rc_load16(0, low + i), b = rc_load16(0, low + t->padded_taps + i);
-      rc_store16(fma((float16)(energy), fma((float16)(f), b - a, a), rc_load16(0, to + i)), 0, to + i);
+      const float16 a = rc_load16(0, low + i), b = rc_load16(0, low + t->padded_taps + i),
+                    share = fma((float16)(f), b - a, a);
+      if (RC_HAS(t, RESTS))
+        rc_add_bins(t, to + i, share * energy);
+      else
+        rc_store16(fma((float16)(energy), share, rc_load16(0, to + i)), 0, to + i);
     }
   }
 }
@@ -60,14 +73,17 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
     lanes &= ~here;
     for (int i = 0; i < t->padded_taps; i += 16) {
       /* Two sums, of lower and upper phases: half as long a chain of additions. */
-      float16 kept = rc_load16(0, to + i), kept_high = 0.0f;
+      float16 kept = RC_HAS(t, RESTS) ? (float16)(0.0f) : rc_load16(0, to + i), kept_high = 0.0f;
       for (uint left = here; left; left &= left - 1u) {
         const uint k = rc_lowest(left);
         global const float* at = t->taps + shares[k] + i;
         kept = fma((float16)(low[k]), rc_load16(0, at), kept);
         kept_high = fma((float16)(high[k]), rc_load16(0, at + t->padded_taps), kept_high);
       }
-      rc_store16(kept + kept_high, 0, to + i);
+      if (RC_HAS(t, RESTS))
+        rc_add_bins(t, to + i, kept + kept_high);
+      else
+        rc_store16(kept + kept_high, 0, to + i);
     }
   }
 }

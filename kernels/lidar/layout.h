@@ -55,6 +55,7 @@ enum {
 #define RC_FEATURE_VOLUMES 0x8000u  /* there are volumes of gas or particles */
 #define RC_FEATURE_RETURN 0x10000u  /* the air sends light back (lidar_air) */
 #define RC_FEATURE_STOPPED 0x20000u /* shares of rays stopped are written, for lidar_air */
+#define RC_FEATURE_RESTS 0x40000u   /* bins of several pixels are sums of two floats: many sub-rays fall into one */
 /* Sets of them that programs are built for: shots of one line whose light comes back the way it went; the same with air
  * and a receiver beside the laser; everything. */
 #define RC_FEATURES_PLAIN                                                                              \
@@ -62,7 +63,7 @@ enum {
    RC_FEATURE_FOLDED | RC_FEATURE_LEAVES)
 #define RC_FEATURES_SURVEY \
   (RC_FEATURES_PLAIN | RC_FEATURE_SHADOWS | RC_FEATURE_AIR | RC_FEATURE_RETURN | RC_FEATURE_STOPPED)
-#define RC_FEATURES_ALL 0x3FFFFu
+#define RC_FEATURES_ALL 0x7FFFFu
 
 /* Spectral nodes that a program has room for with so many lines (RC_MOST_LINES). */
 #define RC_NODES_OF_ROOM(lines) ((lines) == 1 ? 1 : 4 * (lines))

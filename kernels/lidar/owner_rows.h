@@ -29,8 +29,7 @@ static inline void rc_clear_sums(const LidarTables* t, LidarSums* total) {
 }
 
 static inline void rc_clear_rows(const LidarTables* t, const OwnerRows* own) {
-  const size_t rows = (size_t)RC_OWN_PIXELS(t) * RC_LINES(t);
-  for (size_t i = 0; i < rows * t->row; i += 16) {
+  for (size_t i = 0; i < rc_floats_of_sum(t) * rc_own_floats(t); i += 16) {
     rc_store16((float16)(0.0f), 0, own->first + i);
     if (RC_HAS(t, BOUNCES)) rc_store16((float16)(0.0f), 0, own->multiple + i);
   }
@@ -39,8 +38,18 @@ static inline void rc_clear_rows(const LidarTables* t, const OwnerRows* own) {
       rc_store16((float16)(0.0f), 0, own->stopped + i);
 }
 
-/* What hangs over the gate's ends of all rows, into their lines' sums. */
+static inline void rc_add_rests(const LidarTables* t, RC_ROW_SPACE float* rows) {
+  const size_t floats = rc_own_floats(t);
+  for (size_t i = 0; i < floats; i += 16)
+    rc_store16(rc_load16(0, rows + i) + rc_load16(0, rows + floats + i), 0, rows + i);
+}
+
+/* Bins get their rests; what hangs over the gate's ends of all rows goes into their lines' sums. */
 static inline void rc_close_rows(const LidarTables* t, const OwnerRows* own, LidarSums* total) {
+  if (RC_HAS(t, RESTS)) {
+    rc_add_rests(t, own->first);
+    if (RC_HAS(t, BOUNCES)) rc_add_rests(t, own->multiple);
+  }
   for (uint line = 0; line < RC_LINES(t); ++line)
     for (uint pixel = 0; pixel < RC_OWN_PIXELS(t); ++pixel) {
       const size_t row = (size_t)(pixel * RC_LINES(t) + line) * t->row;
@@ -53,7 +62,7 @@ static inline void rc_close_rows(const LidarTables* t, const OwnerRows* own, Lid
 /* Rows to come lie in no cache: whole lines go there once, past the caches, and nothing waits for what was there. */
 static inline void rc_store_window(const LidarTables* t, private const float* window, global float* first) {
   global float16* to = (global float16*)first;
-  for (size_t i = 0; i < (size_t)RC_OWN_PIXELS(t) * RC_LINES(t) * t->row; i += 16)
+  for (size_t i = 0; i < rc_own_floats(t); i += 16)
     RC_STORE_ONCE(rc_load16(0, window + i), to + i / 16);
 }
 #endif

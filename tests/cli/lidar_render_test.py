@@ -245,6 +245,15 @@ def folding(work):
     later = photons(work, height=250.5, fold="true", start=950.0, stop=1050.0)
     check(later[-1] == 0 and all(abs(value / close[0] - 1) < 1e-5 for value in later[:-1]), later, close)
     behind_returns(work, pulses_back=-1, range_m=1000.0, range_true_m=250.5, pulses=range(5))
+    slope = (work / "folded.toml").read_text().replace("250.5]", "1000.0]")
+    slope = slope.replace("start_range_m = 950.0\nstop_range_m = 1050.0", "start_range_m = 200.0\nstop_range_m = 300.0")
+    slope = slope.replace("divergence_mrad = 0.2", "divergence_mrad = 2.0").replace("pulses = 6", "pulses = 40")
+    slope = slope.replace("fov_mrad = 2.0", "fov_mrad = 10.0").replace("subrays = 16", "subrays = 64")
+    (work / "slope.toml").write_text(slope.replace("[200.0, 200.0]", "[200.0, 200.0]\ntilt_deg = 45.0"))
+    done = run("render", work / "slope.toml", "-o", work / "slope")
+    # The error of its waveforms is that of the pulses whose light it is: a plane is one return, folded or not.
+    check("error of the waveforms about" in done.stderr, done.stderr)
+    check(len(table(work / "slope/scan/returns.csv")) == 39, "returns of a folded slope")
 
 
 def behind_returns(work, pulses_back, range_m, range_true_m, pulses):
