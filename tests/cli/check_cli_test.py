@@ -99,7 +99,7 @@ with tempfile.TemporaryDirectory() as folder:
 
     # Both instruments of the park: 320 x 320 pixels of 121 rays in 360 bands, 1000 x 1000 of 16 in 3. Groups of 4
     # pixels.
-    least, pixels, model_pixels, many = (100000, 12, 4, 360) if FULL else (10000, 4, 2, 30)
+    least, pixels, model_pixels, many = (100000, 12, 4, 360) if FULL else (2000, 4, 2, 30)
     numbers = ("--rays", least, "--pixels", pixels, "--model-pixels", model_pixels)
     done = run("check", park, *numbers, "--json", "-o", work / "out")
     reports = json.loads(done.stdout)

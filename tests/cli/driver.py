@@ -16,6 +16,9 @@ import patience
 #: All cases of a test, as ci/test --full asks for; else those of its short form, which the test's head names.
 FULL = "--full" in sys.argv
 
+#: Whether what one verb refuses is tried with all others that refuse it (ci/test --full), or with one of them.
+EVERY_VERB = FULL or bool(os.environ.get("RAYCUBE_TEST_EVERY_VERB"))
+
 #: tests/repeat_seeds.py: which other draws a test is to take, and the file that its figures go into.
 OTHER_SEED, FIGURES = os.environ.get("RAYCUBE_TEST_SEED"), os.environ.get("RAYCUBE_TEST_FIGURES")
 
@@ -149,7 +152,8 @@ class Program:
 
     def _refused_alike(self, arguments, stderr, more):
         """What one of `scene check`, `plan`, `render --dry-run` and `render` refuses of a scene they all refuse, in the
-        same words, and before a kernel is compiled for it. (A scene that nothing looks at can be checked.)"""
+        same words, and before a kernel is compiled for it. (A scene that nothing looks at can be checked.) Without
+        --full one of the three others, the next in turn, stands for them."""
         verb = arguments[:2] if arguments[0] == "scene" else arguments[:1]
         words, settings, files = arguments[len(verb) :], [], []
         while words:
@@ -172,9 +176,13 @@ class Program:
         self._alike.add(state)
         with tempfile.TemporaryDirectory() as folder:
             log = pathlib.Path(folder) / "programs"
-            for other in (["scene", "check"], ["plan"], ["render", "--dry-run"], ["render", "-o", f"{folder}/out"]):
-                if other[: len(verb)] == verb and ("--dry-run" in other) == ("--dry-run" in arguments):
-                    continue
+            verbs = (["scene", "check"], ["plan"], ["render", "--dry-run"], ["render", "-o", f"{folder}/out"])
+            others = [
+                other
+                for other in verbs
+                if other[: len(verb)] != verb or ("--dry-run" in other) != ("--dry-run" in arguments)
+            ]
+            for other in others if EVERY_VERB else others[len(self._alike) % 3 :][:1]:
                 environment = {**os.environ, "RAYCUBE_PROGRAM_LOG": str(log)}
                 command = [self.path, *by_other_seed((*other, files[0], *settings))]
                 done = patience.run(command, capture_output=True, text=True, env=environment, **more)
