@@ -136,6 +136,8 @@ void refuse_vast_map(const Ortho& map, const products::EnviHeader& image, const 
 Ortho orthorectify(const OrthoRequest& request, const std::function<base::OutputSet&()>& set) {
   const auto pair = products::find_envi_pair(request.image);
   products::EnviHeader header = products::read_envi_header(pair.header);
+  if (header.spectral_library)
+    throw Error(Fault::input, pair.data + ": is a spectral library, not an image; it has no place on a map");
   if (header.type().components != 1)
     throw Error(Fault::input, pair.data + ": complex numbers are not put on a map; take their parts apart first");
   const Places places = places_of(pair.data, header);

@@ -22,7 +22,7 @@ std::string band_text(const EnviHeader& h, std::size_t band) {
   std::string text = fmt::format("{}", band + 1);
   if (band < h.band_names.size())
     text += " " + h.band_names[band];
-  else if (const auto um = h.wavelength_um(); band < um.size() && !h.is_spectral_library())
+  else if (const auto um = h.wavelength_um(); band < um.size() && !h.spectral_library)
     text += fmt::format(" {:.6g} um", um[band]);
   return text;
 }
@@ -58,7 +58,7 @@ Json header_json(const EnviHeader& h) {
 
 void print_header(std::ostream& out, const EnviPaths& paths, const EnviHeader& h) {
   out << fmt::format("{}: {}\n", paths.data.empty() ? paths.header : paths.data,
-                     h.is_spectral_library() ? "ENVI spectral library" : "ENVI image");
+                     h.spectral_library ? "ENVI spectral library" : "ENVI image");
   out << fmt::format("  size          {} samples x {} lines x {} bands, {}, {}, {}\n", h.samples, h.lines, h.bands,
                      h.type().name, to_string(h.interleave), h.byte_order == 1 ? "big endian" : "little endian");
   out << fmt::format("  data          {}\n",

@@ -56,10 +56,7 @@ std::vector<BandStatistics> band_statistics(const EnviReader& reader,
         ++band.not_finite;
         continue;
       }
-      if (parts == 1) {
-        if (!h.data_gain.empty()) value *= h.data_gain[b];
-        if (!h.data_offset.empty()) value += h.data_offset[b];
-      }
+      if (parts == 1) value = h.scaled(value, i / (parts * bands) % static_cast<std::size_t>(h.samples), b);
       band.add(value);
     }
     if (after_lines) after_lines(lines);

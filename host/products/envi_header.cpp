@@ -128,8 +128,11 @@ std::vector<double> EnviHeader::fwhm_um() const {
   return out;
 }
 
-bool EnviHeader::is_spectral_library() const {
-  return base::lower_case(file_type) == "envi spectral library" || !spectra_names.empty();
+double EnviHeader::scaled(double stored, std::size_t sample, std::size_t band) const {
+  const auto of = [&](const std::vector<double>& list, double none) {
+    return list.empty() ? none : !spectral_library ? list[band] : list.size() == 1 ? list[0] : list[sample];
+  };
+  return stored * of(data_gain, 1) + of(data_offset, 0);
 }
 
 std::string EnviHeader::why_no_wavelengths() const {

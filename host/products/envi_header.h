@@ -28,6 +28,7 @@ struct EnviHeader {
   std::int64_t samples = 0, lines = 0, bands = 0;
   std::uint64_t header_offset = 0;  ///< bytes before the first sample
   std::string file_type = "ENVI Standard";
+  bool spectral_library = false;  ///< a spectrum in each line, a wavelength for each sample; settled as it is read
   int data_type = 4;
   Interleave interleave = Interleave::bip;
   int byte_order = 0;  ///< 0 little endian, 1 big endian
@@ -38,8 +39,9 @@ struct EnviHeader {
   std::vector<double> wavelength, fwhm;  ///< in wavelength_units, one per band (spectral library: per sample)
   std::vector<int> bad_bands;            ///< key bbl: 1 good, 0 bad
   std::vector<std::string> band_names, spectra_names;
-  std::vector<int> default_bands;              ///< 1-based as in the file: red, green, blue or one
-  std::vector<double> data_gain, data_offset;  ///< physical = stored * gain + offset, one per band (library: sample)
+  std::vector<int> default_bands;  ///< 1-based as in the file: red, green, blue or one
+  std::vector<double> data_gain,
+      data_offset;  ///< physical = stored * gain + offset, per band (library: sample, or one)
   std::optional<double> data_ignore_value;
   std::optional<double> reflectance_scale_factor;
   std::vector<std::string> map_info;         ///< items; reference pixel (1, 1) is the upper left corner
@@ -55,8 +57,8 @@ struct EnviHeader {
   /// Wavelengths in micrometres; empty when there are none or their unit is no wavelength (Index, Unknown).
   std::vector<double> wavelength_um() const;
   std::vector<double> fwhm_um() const;
-  /// By its file type, or by its names of spectra.
-  bool is_spectral_library() const;
+  /// What a stored number stands for by gain and offset: those of its band, of a library's sample.
+  double scaled(double stored, std::size_t sample, std::size_t band) const;
   /// Why wavelength_um() is empty, as the end of a sentence on the header: "has no wavelengths".
   std::string why_no_wavelengths() const;
 };

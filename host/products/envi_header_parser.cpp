@@ -63,20 +63,17 @@ class Parser {
     EnviHeader h;
     dimension("samples", h.samples);
     dimension("lines", h.lines);
-    // Spectral libraries are one band, which some headers leave to be known.
-    const bool library = entries_.contains("spectra names");
-    if (library && !entries_.contains("bands"))
-      h.bands = 1;
-    else
-      dimension("bands", h.bands);
+    text("file type", h.file_type);
+    names("spectra names", h.spectra_names);
+    settle_kind(h);
+    if (!h.spectral_library || entries_.contains("bands")) dimension("bands", h.bands);
     if (const auto* entry = take("header offset"))
       if (!parse_number(entry->value, h.header_offset))
         problem("header offset", *entry, "must be a whole number of bytes");
-    text("file type", h.file_type);
     if (const auto* entry = required("data type"))
       if (!parse_number(entry->value, h.data_type) || !find_envi_type(h.data_type))
         problem("data type", *entry, "must be one of 1, 2, 3, 4, 5, 6, 9, 12, 13, 14, 15");
-    if (const auto* entry = library && h.bands == 1 ? take("interleave") : required("interleave")) {
+    if (const auto* entry = h.spectral_library && h.bands == 1 ? take("interleave") : required("interleave")) {
       const std::string name = base::lower_case(trim(entry->value));
       if (name == "bsq" || name == "bil" || name == "bip")
         h.interleave = parse_interleave(name);
@@ -99,7 +96,6 @@ class Parser {
     real("reflectance scale factor", h.reflectance_scale_factor);
     names("map info", h.map_info);
     names("band names", h.band_names);
-    names("spectra names", h.spectra_names);
     numbers("wavelength", h.wavelength);
     numbers("fwhm", h.fwhm);
     numbers("data gain values", h.data_gain);
@@ -192,6 +188,17 @@ class Parser {
       problem(key, *entry, fmt::format("must be a whole number from 1 to {}", kLargestDimension));
   }
 
+  /// A spectral library says so, or has one band and a name for each of its lines. Libraries are one band, which some
+  /// headers leave to be known.
+  void settle_kind(EnviHeader& h) {
+    const auto bands = entries_.find("bands");
+    std::int64_t count = 1;
+    const bool one = bands == entries_.end() || (parse_number(bands->second.value, count) && count == 1);
+    const bool named = !h.spectra_names.empty() && h.spectra_names.size() == static_cast<std::size_t>(h.lines);
+    h.spectral_library = canonical_key(h.file_type) == "envi spectral library" || (one && named);
+    if (h.spectral_library) h.bands = 1;
+  }
+
   /// What changes where numbers lie, which is not read.
   void refuse_unless_plain() {
     for (const char* key : {"file compression", "major frame offsets", "minor frame offsets"}) {
@@ -279,17 +286,24 @@ class Parser {
 
   void check_lengths(EnviHeader& h) {
     const auto bands = static_cast<std::size_t>(h.bands);
-    const std::size_t spectral = h.is_spectral_library() ? static_cast<std::size_t>(h.samples) : bands;
+    const std::size_t spectral = h.spectral_library ? static_cast<std::size_t>(h.samples) : bands;
     check_length("wavelength", h.wavelength, spectral);
     check_length("fwhm", h.fwhm, spectral);
     check_length("bbl", h.bad_bands, spectral);
     check_length("band names", h.band_names, bands);
-    const bool by_sample = h.is_spectral_library() && h.samples > 1;  // a library's one band has one of these, or many
-    check_length("data gain values", h.data_gain, by_sample && h.data_gain.size() != 1 ? spectral : bands);
-    check_length("data offset values", h.data_offset, by_sample && h.data_offset.size() != 1 ? spectral : bands);
+    // A library has one of these, or one for each sample.
+    check_length("data gain values", h.data_gain, h.spectral_library && h.data_gain.size() == 1 ? 1 : spectral);
+    check_length("data offset values", h.data_offset, h.spectral_library && h.data_offset.size() == 1 ? 1 : spectral);
+    check_spectral("wavelength", h.wavelength, h.wavelength_um());
+    check_spectral("fwhm", h.fwhm, h.fwhm_um());
     if (!h.wavelength.empty() && h.wavelength_um().empty())
       warnings_.push_back(fmt::format("{}: {}; they are not used", file_, h.why_no_wavelengths()));
-    if (h.is_spectral_library()) check_length("spectra names", h.spectra_names, static_cast<std::size_t>(h.lines));
+    if (h.spectral_library) {
+      check_length("spectra names", h.spectra_names, static_cast<std::size_t>(h.lines));
+    } else if (!h.spectra_names.empty()) {
+      warnings_.push_back(file_ + ": \"spectra names\" is ignored: the file is an image, no spectral library");
+      h.spectra_names.clear();
+    }
     for (const int band : h.default_bands)
       if (band < 1 || band > h.bands) {
         warnings_.push_back(
@@ -297,6 +311,18 @@ class Parser {
         h.default_bands.clear();
         break;
       }
+  }
+
+  /// No wavelength or width is negative or infinite: of wavenumbers, what a width of twice their centre becomes.
+  void check_spectral(const char* key, std::vector<double>& list, const std::vector<double>& um) {
+    const auto sound = [](double v) { return v >= 0 && std::isfinite(v); };
+    for (std::size_t i = 0; i < um.size(); ++i) {
+      if (sound(um[i]) && sound(list[i])) continue;
+      warnings_.push_back(fmt::format("{}: value {} of \"{}\", {:g}, is {:g} um in wavelengths; the key is ignored",
+                                      file_, i + 1, key, list[i], um[i]));
+      list.clear();
+      return;
+    }
   }
 
   std::string file_;

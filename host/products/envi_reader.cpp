@@ -235,11 +235,8 @@ std::vector<double> EnviReader::read_lines_scaled(std::int64_t first, std::int64
   std::vector<double> out = read_lines(first, count);
   const EnviHeader& h = state_->header;
   if ((h.data_gain.empty() && h.data_offset.empty()) || h.type().components != 1) return out;
-  const std::size_t bands = static_cast<std::size_t>(h.bands);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (!h.data_gain.empty()) out[i] *= h.data_gain[i % bands];
-    if (!h.data_offset.empty()) out[i] += h.data_offset[i % bands];
-  }
+  const auto bands = static_cast<std::size_t>(h.bands), samples = static_cast<std::size_t>(h.samples);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = h.scaled(out[i], i / bands % samples, i % bands);
   return out;
 }
 

@@ -108,6 +108,78 @@ TEST_CASE("lists of another length are left out with a warning, as real files ha
   CHECK(h.warnings.size() == 2);
 }
 
+TEST_CASE("a spectral library says so, or has one band and a name for each line; all else is an image") {
+  const auto parsed = [](const std::string& bands, const std::string& more) {
+    return parse_envi_header("ENVI\nsamples = 3\nlines = 2\n" + bands +
+                                 "data type = 4\ninterleave = bsq\nwavelength units = nm\ndata gain values = {1, 2, "
+                                 "3}\nwavelength = {400, 500, 600}\n" +
+                                 more,
+                             "x.hdr");
+  };
+  const std::string type = "file type = envi  Spectral Library\n", two = "spectra names = {a, b}\n";
+  for (const auto& [bands, more] : {std::pair<std::string, std::string>{"bands = 1\n", two},
+                                    {"", two},
+                                    {"", type},
+                                    {"bands = 1\n", type},
+                                    {"bands = 1\n", type + "spectra names = {a}\n"}}) {
+    CAPTURE(bands + more);
+    const auto h = parsed(bands, more);
+    CHECK(h.spectral_library);
+    CHECK(h.bands == 1);
+    CHECK(h.wavelength_um().size() == 3);
+    CHECK(h.scaled(10, 2, 0) == 30);
+  }
+  // Images: lists go by bands, whatever stands in the file besides; what does not fit is left out.
+  for (const auto& [bands, more] : {std::pair<std::string, std::string>{"bands = 5\n", "spectra names = {a}\n"},
+                                    {"bands = 5\n", two},
+                                    {"bands = 1\n", "spectra names = {a, b, c}\n"},
+                                    {"bands = 2\n", two},
+                                    {"bands = 5\n", ""}}) {
+    CAPTURE(bands + more);
+    const auto h = parsed(bands, more);
+    CHECK_FALSE(h.spectral_library);
+    CHECK(h.wavelength.empty());
+    CHECK(h.data_gain.empty());
+    CHECK(h.spectra_names.empty());
+    CHECK(h.scaled(10, 2, 4) == 10);
+    CHECK(h.warnings.size() == (more.empty() ? 2 : 3));
+  }
+  const auto cube = parsed("bands = 3\n", "spectra names = {a, b}\ndata offset values = {1, 2, 3}\n");
+  CHECK(cube.wavelength_um() == std::vector<double>{400 * 1e-3, 500 * 1e-3, 600 * 1e-3});
+  CHECK(cube.scaled(10, 0, 2) == 33);
+  CHECK(contains(cube.warnings.at(0), "\"spectra names\" is ignored: the file is an image"));
+  // A library of several bands keeps lists by sample, which nobody reads by band; its readers refuse it.
+  const auto odd = parsed("bands = 5\n", type);
+  CHECK(odd.spectral_library);
+  CHECK(odd.scaled(10, 2, 4) == 30);
+  CHECK(
+      contains(refusal("ENVI\nsamples = 3\nlines = 2\ndata type = 4\nspectra names = {a}\n"), "\"bands\" is missing"));
+}
+
+TEST_CASE("widths and wavelengths that are none are left out and told: of wavenumbers, twice the centre") {
+  const auto parsed = [](const std::string& unit, const std::string& centres, const std::string& widths) {
+    return parse_envi_header(
+        kMinimal + "wavelength units = " + unit + "\nwavelength = {" + centres + "}\nfwhm = {" + widths + "}\n",
+        "x.hdr");
+  };
+  for (const char* width : {"2000", "2100", "-5", "inf", "nan"}) {
+    CAPTURE(width);
+    for (const char* unit : {"Wavenumber", "GHz"}) {
+      const auto h = parsed(unit, "2000, 1000", std::string("10, ") + width);
+      CHECK(h.fwhm_um().empty());
+      CHECK(h.wavelength_um().size() == 2);
+      REQUIRE(h.warnings.size() == 1);
+      CHECK(contains(h.warnings[0], "x.hdr: value 2 of \"fwhm\", " + std::string(width)));
+    }
+  }
+  CHECK(parsed("nm", "500, 600", "10, -5").fwhm_um().empty());
+  CHECK(parsed("Wavenumber", "1000, 0", "1, 1").wavelength_um().empty());
+  CHECK(parsed("nm", "500, nan", "1, 1").wavelength_um().empty());
+  const auto sound = parsed("Wavenumber", "1000, 2000", "1999, 0");
+  CHECK(sound.warnings.empty());
+  CHECK(sound.fwhm_um().at(0) == doctest::Approx(1e4 / 0.5 - 1e4 / 1999.5));
+}
+
 TEST_CASE("what is written is read back the same") {
   EnviHeader h;
   h.samples = 320, h.lines = 200, h.bands = 3;
