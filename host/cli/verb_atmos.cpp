@@ -155,13 +155,8 @@ int build(const BuildOptions& o, Invocation& invocation) {
     if (simulation.instruments.empty())
       throw base::Error(base::Fault::input,
                         o.file + ": no [[instrument]] whose bands a table could cover; a [[lidar]] needs none");
-    if (load.compile) run::keep_within_air(simulation);
     if (load.compile) lowest = simulation.scene.lo[2], highest = simulation.scene.hi[2];
     sensor_height = simulation.instruments.front().poses.front().z_m;
-    std::vector<scene::Band> bands;
-    for (const auto& instrument : simulation.instruments)
-      bands.insert(bands.end(), instrument.bands.begin(), instrument.bands.end());
-    std::tie(first_um, last_um) = run::band_range(bands);
   } else if (std::isnan(o.sun_zenith)) {
     throw base::Error(base::Fault::input, "where is the sun? give a scene FILE, or --sun-zenith in degrees");
   }
@@ -185,6 +180,11 @@ int build(const BuildOptions& o, Invocation& invocation) {
   if (!o.view_zeniths.empty()) air.view_zenith_deg = numbers_of(o.view_zeniths, "--view-zenith");
   replace(simulation.sun.zenith_deg, o.sun_zenith), replace(simulation.sun.azimuth_deg, o.sun_azimuth);
   if (!std::isnan(o.day)) simulation.sun.day_of_year = static_cast<int>(o.day);
+  run::keep_within_air(simulation);  // as a scene that names the table will be
+  std::vector<scene::Band> bands;
+  for (const auto& instrument : simulation.instruments)
+    bands.insert(bands.end(), instrument.bands.begin(), instrument.bands.end());
+  if (!bands.empty()) std::tie(first_um, last_um) = run::band_range(bands);
   replace(sensor_height, o.sensor), replace(lowest, o.lowest), replace(highest, o.highest);
   // Rays look down: what towers over the sensor is no target.
   if (std::isnan(o.highest)) highest = std::max(lowest, std::min(highest, sensor_height));
@@ -196,6 +196,7 @@ int build(const BuildOptions& o, Invocation& invocation) {
   const std::string output = invocation.common.output.empty() ? "atmosphere.rct" : invocation.common.output;
   // A name that is taken or a folder that cannot be written is known before the work begins.
   { const base::OutputFile probe(output, if_exists(invocation.common)); }
+  for (const std::string& notice : simulation.notices) invocation.log.warning(notice);
   run::Services services = services_of(invocation);
   const atmos::RenderTable table = run::air_table(
       {&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, services);

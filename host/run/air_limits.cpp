@@ -10,6 +10,7 @@
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/compiler/layered_air.h"
+#include "atmos_tables/rct_file.h"
 #include "host/base/error.h"
 #include "host/plan/quadrature.h"
 #include "host/run/air_table.h"
@@ -138,14 +139,25 @@ void cut_bands(scene::Simulation& simulation) {
   }
 }
 
+/// Whether a table is one of the air that is held there: those of other codes have their own light below it.
+bool is_held_table(const std::string& file) {
+  try {
+    return std::abs(atmos::read_rct(file).sun_zenith_deg - kHeldZenith_deg) < 1e-6;
+  } catch (const base::Error&) {  // whoever needs the table says what is wrong with it
+    return false;
+  }
+}
+
 void hold_sun(scene::Simulation& simulation) {
   scene::Sun& sun = simulation.sun;
   const scene::AtmosphereSpec& spec = simulation.atmosphere;
-  if (spec.none || !spec.table_file.empty() || sun.moon_phase_deg >= 0) return;
-  if (sun.zenith_deg < 90 || sun.zenith_deg > kSunsetZenith_deg) return;
+  if (spec.none || sun.moon_phase_deg >= 0) return;
+  // The light of the models falls to nothing between the held angle and 90 deg, and would jump up at the horizon.
+  if (sun.zenith_deg <= kHeldZenith_deg || sun.zenith_deg > kSunsetZenith_deg) return;
+  if (!spec.table_file.empty() && !is_held_table(spec.table_file)) return;
   simulation.notices.push_back(fmt::format(
-      "the sun stands at a zenith angle of {:.5g} deg, where its disc is still seen but the built-in air has no light: "
-      "the light of {:g} deg is taken",
+      "the sun stands at a zenith angle of {:.7g} deg, where its disc is still seen but the light of the built-in air "
+      "ends: the light of {:g} deg is taken",
       sun.zenith_deg, kHeldZenith_deg));
   sun.zenith_deg = kHeldZenith_deg;
 }

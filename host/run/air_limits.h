@@ -14,9 +14,9 @@ inline constexpr double kSunsetZenith_deg = 90 + 50.0 / 60, kHeldZenith_deg = 89
 /// is used, ends within a Gaussian response that has at most kMostLostWeight of its weight beyond; the band's mean is
 /// then over what is left. A band that would lose more is left as it is, and refused later by the name of what does not
 /// cover it.
-/// Sun: of the built-in air, which is dark from 90 deg on, a zenith angle of 90 deg to kSunsetZenith_deg becomes
-/// kHeldZenith_deg.
-/// A notice tells of each. The scene must be compiled.
+/// Sun: of the built-in air, which is dark from 90 deg on, a zenith angle above kHeldZenith_deg, to kSunsetZenith_deg,
+/// becomes kHeldZenith_deg; so it does with a table that was made for that angle.
+/// A notice tells of each. Of a scene that is not compiled, no material is used.
 void keep_within_air(scene::Simulation& simulation);
 
 }  // namespace raycube::run

@@ -113,6 +113,23 @@ with tempfile.TemporaryDirectory() as work:
             sunsets.append(envi(work / "set" / "camera", "radiance")[1])
         check(sunsets[0].min() > 0 and all((image == sunsets[0]).all() for image in sunsets), model)
 
+    # A table that was built for such a scene, also between heights that are given, has that light and serves the scene;
+    # one of a wide band is cut as the scene's check has it.
+    heights = ("--lowest", "0", "--highest", "0")
+    for model, more in ((clear, ()), (clear, heights), (layered, heights)):
+        file = plane(work, model, 90.3, few)
+        done = run("atmos", "build", file, *more, "-o", work / "set.rct", "--overwrite", env=cache)
+        check("the light of 89.99 deg is taken" in done.stderr, done.stderr)
+        header, _, rows = rows_of(work / "set.rct")
+        check(header["sun_zenith_deg"] == 89.99 and rows["diffuse_irradiance"].max() > 0, header["sun_zenith_deg"])
+        done = run("scene", "check", plane(work, f'{{ tables = "{work / "set.rct"}" }}', 90.3, few))
+        check("the light of 89.99 deg is taken" in done.stderr, done.stderr)
+    pan = plane(work, clear, 60, '{ first_nm = 650.0, step_nm = 10.0, count = 1, fwhm_nm = 200.0 }')
+    done = run("atmos", "build", pan, *heights, "-o", work / "set.rct", "--overwrite", env=cache)
+    check("cut to what the atmosphere covers" in done.stderr, done.stderr)
+    run("atmos", "build", "--model", "clear_sky", "--sun-zenith", "90.3", "-o", work / "set.rct", "--overwrite")
+    check(rows_of(work / "set.rct")[0]["sun_zenith_deg"] == 89.99)
+
     # Below the horizon: dark, and said; at night too.
     for model in (clear, layered):
         for zenith in (91, 95, 110) if model == clear else (91, 110):
