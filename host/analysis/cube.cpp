@@ -93,7 +93,7 @@ std::vector<std::size_t> bands_of(const BandChoice& choice, const products::Envi
 
 Cube::Cube(const std::string& path, const BandChoice& choice) : path_(path), reader_(path) {
   const products::EnviHeader& h = header();
-  if (h.is_spectral_library())
+  if (h.spectral_library)
     throw Error(Fault::input, path + ": is a spectral library, not a cube; libraries go to --target and --endmember");
   if (h.type().components != 1) throw Error(Fault::input, path + ": holds complex numbers, which no analysis takes");
   band_ = bands_of(choice, h, path);
@@ -190,8 +190,8 @@ void require_same_bands(const Cube& a, const Cube& b) {
   if (a.header().data_units.empty() || b.header().data_units.empty()) return;
   if (unit.has_value() != other_unit.has_value() || (unit && std::abs(*unit - *other_unit) > 1e-9 * *unit))
     throw Error(Fault::input,
-                fmt::format("{} is in {}, {} in {}; bring them to one unit by 'data gain values' in a header", a.path(),
-                            a.header().data_units, b.path(), b.header().data_units));
+                fmt::format("{} is in {}, {} in {}; correct 'data units' in a header, or bring the numbers to one unit",
+                            a.path(), a.header().data_units, b.path(), b.header().data_units));
 }
 
 void require_same_size(const Cube& a, std::int64_t samples, std::int64_t lines, const std::string& other) {

@@ -95,6 +95,7 @@ std::optional<double> radiance_of(const std::string& unit) {
       while (end < text.size() && std::isalpha(static_cast<unsigned char>(text[end]))) ++end;
       const std::string word = text.substr(at, end - at);
       at = end;
+      if (word == "radiance" || word == "spectral") continue;  // what it is, before or behind the unit
       if (word == "per" || word == "square" || word == "squared") {
         if (word == "per") sign = -1;
         if (word == "square") times = 2;
@@ -127,7 +128,7 @@ std::optional<double> radiance_of(const std::string& unit) {
     } else if (c == ')' || c == ']') {
       if (outside.empty()) return std::nullopt;
       outside.pop_back(), sign = 1, ++at;
-    } else if (std::isspace(static_cast<unsigned char>(c)) || c == '*' || c == '.' || c == ',') {
+    } else if (std::isspace(static_cast<unsigned char>(c)) || c == '*' || c == '.' || c == ',' || c == ':') {
       ++at;
     } else {
       return std::nullopt;

@@ -116,6 +116,21 @@ def scores(folder):
         close(got[f"largest angle between the first {k} eigenvectors"], expected, 1e-6, "angles")
     same = analyze(folder, "scorecard", a, "--other", a)["scores"]
     program.check(all(abs(s["value"] - s["where_alike"]) < 2e-6 for s in same), same)
+    # Units in other words are the same unit; others are refused, by a way out that helps.
+    unit = write_cube(folder / "unit.img", one, dtype="f8", data_units="uW cm-2 sr-1 nm-1")
+    worded = write_cube(folder / "worded.img", one, dtype="f8", data_units="Radiance (uW cm-2 sr-1 nm-1)")
+    analyze(folder, "scorecard", unit, "--other", worded)
+    other = write_cube(folder / "other.img", one, dtype="f8", data_units="W m-2 sr-1 um-1")
+    program.refused(
+        *("analyze", "scorecard", unit, "--other", other, "-o", folder / "no"), status=2, says=["correct 'data units'"]
+    )
+    # A name of a spectrum makes no library of a cube: its lists go by bands.
+    stray = write_cube(
+        folder / "stray.img", one[:3, :3, :5], dtype="f8", spectra_names="{a}", data_gain_values="{1, 2, 3}",
+        wavelength_units="nm", wavelength="{400, 500, 600}",
+    )
+    found = analyze(folder, "statistics", stray)
+    close(found["regions"][0]["mean"], one[:3, :3, :5].mean((0, 1)), what="stray")
     few = write_cube(folder / "few.img", one[..., :5], dtype="f8")
     program.refused("analyze", "scorecard", a, "--other", few, "-o", folder / "no", status=2, says=["must be the same"])
 

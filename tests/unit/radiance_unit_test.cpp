@@ -34,6 +34,11 @@ TEST_CASE("radiance units: each is the number of W m-2 sr-1 um-1 that it is by h
       {"uW/cm^2/sr/nm", 10},
       {"\u00b5W/(cm\u00b2*nm*sr)", 10},
       {"uW/(cm^2 nm sr)", 10},
+      {"Radiance (uW cm-2 sr-1 nm-1)", 10},
+      {"spectral radiance [W m-2 sr-1 um-1]", 1},
+      {"Spectral Radiance, W/(m^2 sr um)", 1},
+      {"Radiance: uW/cm^2/sr/nm", 10},
+      {"uW/(cm^2 sr nm) radiance", 10},
       {"[microwatts per square centimeter per nanometer per steradian]", 10},
       {"microwatts per centimeter squared per nanometer per steradian", 10},
       {"mW cm-2 sr-1 um-1", 10},
@@ -51,7 +56,7 @@ TEST_CASE("radiance units: each is the number of W m-2 sr-1 um-1 that it is by h
 
 TEST_CASE("radiance units: what is no radiance by wavelength has none") {
   for (const char* unit :
-       {"", "reflectance", "DN", "K",
+       {"", "reflectance", "DN", "K", "radiance", "Radiance (DN)", "spectral irradiance (W m-2 um-1)",
         "W m-2 sr-1",           // all wavelengths
         "W m-2 um-1",           // irradiance
         "W sr-1 um-1",          // intensity
