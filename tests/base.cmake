@@ -11,6 +11,7 @@ raycube_test(publication SOURCES unit/publication_test.cpp LIBS raycube_base LAB
 raycube_test(publication_strangers SOURCES unit/publication_strangers_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(gdal_library SOURCES unit/gdal_library_test.cpp LIBS raycube::gdal LABELS fast)
 raycube_test(limited_child SOURCES unit/limited_child_test.cpp LIBS raycube_base LABELS fast)
+raycube_test(guarded_program SOURCES unit/guarded_program_test.cpp LIBS raycube_base LABELS fast)
 # Not with the test programs' main, which brings an abort() of its own.
 add_executable(test_library_abort unit/library_abort_test.cpp $<TARGET_OBJECTS:raycube_library_abort>)
 target_link_libraries(test_library_abort PRIVATE raycube_warnings raycube_base)

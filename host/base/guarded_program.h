@@ -17,9 +17,11 @@ struct Started {
 inline constexpr int kNotStarted = 127;  ///< as shells say it
 
 /// Runs a program to its end, in a process group of its own, under a guard: a process that waits for it and for us. A
-/// signal to us is handed on to the whole group once; when we are gone, by a second signal or by kill -9, the group is
-/// told to end and, after a few seconds, killed. Throws Error(environment) where no process could be made; does not
-/// throw after a signal, but returns when the program has ended.
+/// signal to us is handed on to the whole group as SIGTERM; what is left of the group when the program has ended of it,
+/// or when we are gone, by a second signal or by kill -9, is told to end and, after a few seconds, killed. Ctrl-Z halts
+/// the group with us. A program that ends by itself may leave others behind, and one that left the group is nobody's.
+/// Throws Error(environment) where no process could be made; does not throw after a signal, but returns when the
+/// program, and what is left of its group, has ended.
 int run_guarded(const Started& started);
 
 }  // namespace raycube::base

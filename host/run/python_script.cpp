@@ -14,7 +14,7 @@ bool run_python(const std::string& python, const std::vector<std::string>& argum
   // from where PYTHONPATH says.
   std::vector<std::string> words = {python, "-I"};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  const int status = base::run_guarded({words, "", "", "", false});
+  const int status = base::run_guarded({words, "", "", "", true});
   base::throw_if_interrupted();
   if (WIFEXITED(status) && WEXITSTATUS(status) == base::kNotStarted)
     throw base::Error(base::Fault::environment, python + " could not be started; " + needed);
