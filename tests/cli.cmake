@@ -2,7 +2,8 @@
 raycube_test(cli_frame SOURCES unit/cli_frame_test.cpp LIBS raycube_cli_frame nlohmann_json::nlohmann_json LABELS fast)
 raycube_test(air_request SOURCES unit/air_request_test.cpp LIBS raycube::run raycube::scene_compiler
   nlohmann_json::nlohmann_json LABELS fast)
-raycube_test(air_limits SOURCES unit/air_limits_test.cpp LIBS raycube::run raycube::atmos_tables raycube::scene_compiler LABELS fast)
+raycube_test(air_limits SOURCES unit/air_limits_test.cpp LIBS raycube::run raycube::atmos_tables raycube::scene_compiler
+  LABELS fast)
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
 add_test(NAME cli COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/cli_test.py $<TARGET_FILE:raycube>)
 add_test(NAME install COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/install_test.py ${CMAKE_BINARY_DIR}

@@ -1,5 +1,5 @@
-// Programs that are started and waited for: what they inherit, and that nothing of them outlives an order to end, goes on
-// after Ctrl-Z or fails to start without its cause. Oracle: /proc.
+// Programs that are started and waited for: what they inherit, and that nothing of them outlives an order to end, goes
+// on after Ctrl-Z or fails to start without its cause. Oracle: /proc.
 #include "host/base/guarded_program.h"
 
 #include <doctest/doctest.h>
