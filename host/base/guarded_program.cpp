@@ -18,7 +18,7 @@ namespace raycube::base {
 namespace {
 
 constexpr int kLook_ms = 5;      ///< between two looks at what has ended
-constexpr int kGrace_ms = 3000;  ///< from being told to end to being killed
+constexpr int kGrace_ms = 3000;  ///< from being told to end to being killed, and from there to giving up
 constexpr char kEndIt = 'e', kHalt = 'h', kContinue = 'c', kGoOn = 0;
 
 Error cannot(const std::string& program, const char* what) {
@@ -86,15 +86,17 @@ int heard(int life, int milliseconds) {
   return got < 0 ? int{kGoOn} : got == 0 ? -1 : int{order};
 }
 
-/// The program's time is over: it and all that is left of its group end, also what is halted.
+/// The program's time is over: it and all that is left of its group end, also what is halted. Ends when nothing
+/// of it is left: what is killed takes a moment.
 [[noreturn]] void end_group(pid_t program) {
-  ::kill(-program, SIGTERM), ::kill(-program, SIGCONT);
-  for (int waited = 0; waited < kGrace_ms; waited += kLook_ms) {
-    while (::waitpid(-1, nullptr, WNOHANG) > 0) continue;
-    if (::kill(-program, 0) != 0) break;
-    ::poll(nullptr, 0, kLook_ms);
+  for (const int number : {SIGTERM, SIGKILL}) {
+    ::kill(-program, number), ::kill(-program, SIGCONT);
+    for (int waited = 0; waited < kGrace_ms; waited += kLook_ms) {
+      while (::waitpid(-1, nullptr, WNOHANG) > 0) continue;
+      if (::kill(-program, 0) != 0) ::_exit(0);
+      ::poll(nullptr, 0, kLook_ms);
+    }
   }
-  ::kill(-program, SIGKILL);
   ::_exit(0);
 }
 
