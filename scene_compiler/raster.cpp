@@ -80,13 +80,13 @@ ReferenceSystem take_system(base::Unpacked& read) {
 void send(base::Parcel& parcel, const base::GdalBand& band) {
   for (const std::string* text : {&band.unit, &band.mask}) parcel.text(*text);
   for (const double value : {band.scale, band.offset, band.no_data, band.most}) parcel.value(value);
-  parcel.value(band.palette);
+  parcel.value(band.palette), parcel.value(band.signed_bytes);
 }
 base::GdalBand take_declaration(base::Unpacked& read) {
   base::GdalBand out;
   for (std::string* text : {&out.unit, &out.mask}) *text = read.text();
   for (double* value : {&out.scale, &out.offset, &out.no_data, &out.most}) *value = read.value<double>();
-  out.palette = read.value<bool>();
+  out.palette = read.value<bool>(), out.signed_bytes = read.value<bool>();
   return out;
 }
 
@@ -99,20 +99,13 @@ bool has_bands(const Opened& opened, int first_band, int count) {
   return count >= 1 && first_band + count - 1 <= opened.band_count;
 }
 
-bool has_complex_numbers(GDALDatasetH dataset) {
-  for (int band = 1; band <= gdal().GDALGetRasterCount(dataset); ++band)
-    if (gdal().GDALGetRasterDataType(gdal().GDALGetRasterBand(dataset, band)) >= GDT_CInt16) return true;
-  return false;
-}
-
 /// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for what the file
 /// declares, and by pieces GDAL's word (empty: it could be read), values and what is known of each.
 void read_by_gdal(const std::string& file, int first_band, int count, double most_pixels, base::Parcel& parcel) {
   const base::OpenedByGdal found = base::open_by_gdal(file);
   const GdalDataset& dataset = found.set;
-  const bool complex = dataset && has_complex_numbers(dataset.get());
-  parcel.text(complex ? "it holds complex numbers, whose parts are to be written apart" : found.wrong);
-  if (!dataset || complex) return;
+  parcel.text(found.wrong);
+  if (!dataset) return;
   parcel.value(found.told.size());
   for (const std::string& told : found.told) parcel.text(told);
   const QuietGdal quiet;
@@ -166,10 +159,12 @@ void report_size(const Raster& raster, int count, double pixels, double most_pix
   const std::string found = std::to_string(raster.columns) + " x " + std::to_string(raster.rows) + " pixels" +
                             (count > 1 ? " of " + std::to_string(count) + " bands" : "");
   if (pixels > std::min(kMostPixels, most_pixels)) {
-    const auto bits = static_cast<int>(std::log2(std::min(kMostPixels, most_pixels)));
+    const double most = std::min(kMostPixels, most_pixels);
+    const std::string limit =
+        count > 1 ? number_text(std::floor(most / count)) + " pixels in each of " + std::to_string(count) + " bands"
+                  : "2^" + std::to_string(static_cast<int>(std::log2(most))) + " pixels";
     problems.add({raster.file, 0, 0, ""}, "raster is too large", found,
-                 "at most 2^" + std::to_string(bits) +
-                     " pixels; cut it with gdal_translate -projwin, or make it coarser with -outsize");
+                 "at most " + limit + "; cut it with gdal_translate -projwin, or make it coarser with -outsize");
     return;
   }
   problems.add({raster.file, 0, 0, ""}, "the raster needs more memory than there is",
@@ -249,8 +244,7 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
                  "correct or convert the file; " + asked_by.text() + " names it");
     return std::nullopt;
   }
-  for (auto told = read.value<std::size_t>(); told > 0 && told < 1000; --told)
-    problems.tell({file, 0, 0, ""}, read.text());
+  for (auto told = read.value<std::size_t>(); told > 0; --told) problems.tell({file, 0, 0, ""}, read.text());
   const auto opened = read.value<Opened>();
   Raster raster;
   raster.file = file;

@@ -255,14 +255,16 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
   const auto pixel = pixels_of(grid, *map, parts, where, problems);
   if (!pixel) return out;
   classes.resize(out.size());
-  std::map<double, std::pair<std::size_t, std::size_t>> missing;  // value: cells, first pixel
+  // Value: cells, first pixel. No number, which a map cannot order, goes by the least.
+  std::map<double, std::pair<std::size_t, std::size_t>> missing;
   std::size_t without_data = 0;
   for (std::size_t cell = 0; cell < out.size(); ++cell) {
     const double value = map->bands[0][(*pixel)[cell]];
     const auto found =
         value == std::round(value) && std::abs(value) < 1e9 ? known.find(static_cast<long>(value)) : known.end();
     if (found == known.end()) {
-      auto& entry = missing.emplace(value, std::pair{std::size_t{0}, (*pixel)[cell]}).first->second;
+      auto& entry = missing.emplace(std::isnan(value) ? -INFINITY : value, std::pair{std::size_t{0}, (*pixel)[cell]})
+                        .first->second;
       ++entry.first;
       continue;
     }
@@ -278,7 +280,7 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
   for (const auto& [value, entry] : missing)
     if (++reports <= 20)
       problems.add({map->file, 0, 0, post_text(entry.second, map->columns)}, "class has no material",
-                   number_text(value) + " on " + std::to_string(entry.first) + " cells",
+                   (std::isinf(value) ? "nan" : number_text(value)) + " on " + std::to_string(entry.first) + " cells",
                    "name it in 'materials' of " + record.where.text());
   return out;
 }

@@ -38,7 +38,9 @@ base::OpenedByGdal open(const std::string& file, unsigned kinds) {
                 fmt::format("{}: it is {} by its orientation tag, in which regions are not read; write its "
                             "rows as they are to be seen and no such tag",
                             file, base::orientation_text(orientation)));
-  return base::open_by_gdal(file, kinds);
+  base::OpenedByGdal out = base::open_by_gdal(file, kinds);
+  if (!out.told.empty()) throw Error(Fault::input, file + ": " + out.told.front());
+  return out;
 }
 
 [[noreturn]] void refuse(const std::string& text, const std::string& why) {

@@ -15,13 +15,25 @@ namespace {
 
 bool is_alpha(GDALRasterBandH band) { return gdal().GDALGetRasterColorInterpretation(band) == GCI_AlphaBand; }
 
+/// Bytes from -128 to 127, which have a type of their own from GDAL 3.7 on.
+bool has_signed_bytes(GDALRasterBandH band) {
+  const char* const type = gdal().GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+  return gdal().GDALGetRasterDataType(band) == GDT_Byte && type && std::string(type) == "SIGNEDBYTE";
+}
+
 /// Largest number that the band's integers can hold, by its type or the bits that the file uses of it.
 double most_of(GDALRasterBandH band) {
   double most = 0;
+  if (has_signed_bytes(band)) return 127;
   switch (gdal().GDALGetRasterDataType(band)) {
     case GDT_Byte:
       most = 255;
       break;
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 7, 0)
+    case GDT_Int8:
+      most = 127;
+      break;
+#endif
     case GDT_UInt16:
       most = 65535;
       break;
@@ -110,6 +122,7 @@ GdalBand describe_band(GDALRasterBandH band) {
   if (const char* unit = gdal().GDALGetRasterUnitType(band)) out.unit = unit;
   add_what_drivers_leave_out(band, out);
   out.most = most_of(band);
+  out.signed_bytes = has_signed_bytes(band);
   out.palette = gdal().GDALGetRasterColorTable(band) != nullptr;
   int has_no_data = 0;
   out.no_data = gdal().GDALGetRasterNoDataValue(band, &has_no_data);
@@ -140,6 +153,8 @@ bool read_rows(GDALRasterBandH band, const GdalBand& described, int first_row, i
     for (std::size_t i = 0; i < count; ++i)
       if (mask[i] == 0) known[i] = alpha ? Pixel::transparent : Pixel::missing;
   }
+  if (described.signed_bytes)
+    for (double& value : values) value -= value > 127 ? 256 : 0;
   // Beside an alpha band GDAL's mask leaves the nodata value out; and it takes one that the band's type cannot hold for
   // another.
   const bool no_data = described.mask.starts_with("nodata");

@@ -15,8 +15,9 @@ struct GdalBand {
   std::string unit;              ///< as the file has it; empty: none
   std::string mask;              ///< "nodata", "mask", "alpha", "nodata and alpha"; empty: every number counts
   double no_data = 0;            ///< number in the file, where mask begins with "nodata"
-  double most = 0;       ///< largest number of its kind of integers (65535 of 16 bits); 0: they are not integers
-  bool palette = false;  ///< numbers of colours
+  double most = 0;            ///< largest number of its kind of integers (65535 of 16 bits); 0: they are not integers
+  bool palette = false;       ///< numbers of colours
+  bool signed_bytes = false;  ///< of -128 to 127, which GDAL before 3.7 hands on as 0 to 255
 
   bool scaled() const { return scale != 1 || offset != 0; }
 };

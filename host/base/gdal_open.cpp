@@ -1,24 +1,30 @@
 #include "host/base/gdal_open.h"
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "host/base/gdal_band.h"
-#include "host/base/input_file.h"
+#include "host/base/image_orientation.h"
 #include "host/base/netcdf_size.h"
+#include "host/base/special_files.h"
+#include "host/base/text_grid.h"
 
 namespace raycube::base {
 namespace {
 
+class Sources;
 /// open_by_gdal(), of a source in a virtual raster in a virtual raster ...
-OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth);
+OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth, Sources& sources);
 
 /// Of a raw file that ends before its header says: what is wrong; else empty. GDAL reads what is missing as zeros (with
 /// RAW_CHECK_FILE_SIZE it refuses files of less than half their size alone).
@@ -49,169 +55,162 @@ std::string cut_short(GDALDatasetH dataset, const std::string& file) {
   return ends_early(needed);
 }
 
-bool is_number(std::string word) {
-  std::replace(word.begin(), word.end(), ',', '.');  // decimal commas, which GDAL takes
-  const char* const from = word.data() + (word.size() > 1 && word[0] == '+');
-  double value = 0;
-  const auto [end, error] = std::from_chars(from, word.data() + word.size(), value);
-  return (error == std::errc() || error == std::errc::result_out_of_range) && end == word.data() + word.size();
-}
-
-std::string lower(std::string word) {
-  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
-  return word;
-}
-
-/// Leaves a text grid at its first number: behind keys and their values, or behind Surfer's head of nine words.
-void pass_head(std::istream& in, const std::string& driver) {
-  std::string word;
-  if (driver == "GSAG") {
-    for (int i = 0; i < 9; ++i) in >> word;
-    return;
-  }
-  while (in >> std::ws && !in.eof() && !std::isdigit(in.peek()) && in.peek() != '-' && in.peek() != '+' &&
-         in.peek() != '.') {
-    const auto at = in.tellg();
-    in >> word;
-    const std::string key = lower(word);
-    const bool known = key == "ncols" || key == "nrows" || key == "cellsize" || key == "dx" || key == "dy" ||
-                       key == "nodata_value" || key.starts_with("xll") || key.starts_with("yll") || key.ends_with(":");
-    if (!known) {
-      in.seekg(at);
-      return;
-    }
-    in >> word;
-  }
-}
-
-/// Of a text grid whose words are not the numbers that its header counts: what is wrong; else empty. GDAL reads words
-/// as 0, and goes on with the next number where one is missing.
-std::string miscounted_grid(GDALDatasetH dataset, const std::string& file) {
-  const std::string driver = gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset));
-  if (driver != "AAIGrid" && driver != "GRASSASCIIGrid" && driver != "GSAG") return "";
-  std::ifstream in(file);
-  pass_head(in, driver);
-  const double needed = double(gdal().GDALGetRasterXSize(dataset)) * gdal().GDALGetRasterYSize(dataset);
-  double count = 0;
-  for (std::string word; in >> word; ++count)
-    if (!is_number(word)) {
-      const auto columns = static_cast<double>(gdal().GDALGetRasterXSize(dataset));
-      return "'" + word.substr(0, 40) + "' is no number (row " +
-             std::to_string(static_cast<std::int64_t>(count / columns) + 1) + ", column " +
-             std::to_string(static_cast<std::int64_t>(std::fmod(count, columns)) + 1) + ")";
-    }
-  if (count == needed) return "";
-  return "it holds " + std::to_string(static_cast<std::int64_t>(count)) + " numbers, its header counts " +
-         std::to_string(static_cast<std::int64_t>(needed));
-}
-
 /// What any band of a raster declares of its numbers.
 struct Declared {
-  bool scaled = false, unit = false, gaps = false;
+  bool scaled = false, unit = false, gaps = false, signed_bytes = false, complex = false;
 };
 Declared declared_by(GDALDatasetH dataset) {
   Declared out;
   for (int b = 1; b <= gdal().GDALGetRasterCount(dataset); ++b) {
-    const GdalBand band = describe_band(gdal().GDALGetRasterBand(dataset, b));
+    const GDALRasterBandH handle = gdal().GDALGetRasterBand(dataset, b);
+    const GdalBand band = describe_band(handle);
     out.scaled = out.scaled || band.scaled();
     out.unit = out.unit || !band.unit.empty();
     out.gaps = out.gaps || !band.mask.empty();
+    out.signed_bytes = out.signed_bytes || band.signed_bytes;
+    out.complex = out.complex || gdal().GDALDataTypeIsComplex(gdal().GDALGetRasterDataType(handle));
   }
   return out;
 }
 
-/// "NAME, which is a pipe", of the files that GDAL looks for beside this one (.prj, .aux.xml, world files, headers):
-/// opening a pipe waits for its writer, and a device may never end. Empty: there is none.
-std::string special_beside(const std::string& file) {
-  namespace fs = std::filesystem;
-  const fs::path path(file);
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(path.has_parent_path() ? path.parent_path() : ".", code)) {
-    const fs::path name = entry.path().filename();
-    if (name.stem() != path.stem() && !name.string().starts_with(path.filename().string() + ".")) continue;
-    if (entry.is_regular_file(code) || entry.is_directory(code) || !entry.exists(code)) continue;
-    if (name != path.filename()) return entry.path().string() + ", which " + why_no_plain_file(entry.path().string());
-  }
-  return "";
+bool is_virtual(GDALDatasetH dataset) {
+  return std::string(gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset))) == "VRT";
 }
 
-/// The same of the files that a virtual raster takes its values from, and of theirs.
-std::string special_source(const std::string& file, int depth = 0) {
-  constexpr int kDeepest = 8;
-  constexpr std::size_t kMostBytes = 64 << 20;
-  namespace fs = std::filesystem;
-  if (depth == kDeepest || !why_no_plain_file(file).empty()) return "";
-  std::ifstream in(file, std::ios::binary);
-  std::string text(1024, '\0');
-  in.read(text.data(), 1024);
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.find("<VRTDataset") == std::string::npos) return "";
-  for (std::string more(1 << 16, '\0'); text.size() < kMostBytes && in.read(more.data(), 1 << 16).gcount() > 0;)
-    text.append(more, 0, static_cast<std::size_t>(in.gcount()));
-  for (const char* tag : {"<SourceFilename", "<SourceDataset"})
-    for (std::size_t at = text.find(tag); at != std::string::npos; at = text.find(tag, at + 1)) {
-      const std::size_t begin = text.find('>', at), end = text.find('<', at + 1);
-      if (begin == std::string::npos || end == std::string::npos || end < begin) break;
-      const fs::path named = text.substr(begin + 1, end - begin - 1);
-      const bool relative = text.substr(at, begin - at).find("relativeToVRT=\"1\"") != std::string::npos;
-      const fs::path source = relative ? fs::path(file).parent_path() / named : named;
-      std::error_code code;
-      if (!fs::exists(source, code) || fs::is_directory(source, code)) continue;
-      if (const std::string why = why_no_plain_file(source.string()); !why.empty())
-        return source.string() + ", which " + why;
-      for (const std::string& inner : {special_beside(source.string()), special_source(source.string(), depth + 1)})
-        if (!inner.empty()) return inner;
+/// A file below a virtual raster, opened once however many name it.
+struct Source {
+  std::string wrong;  ///< why it is refused
+  Declared declared;
+  int orientation = 1;
+  std::optional<bool> has_gaps;  ///< by its pixels, once that was asked
+};
+
+GdalDataset open_as(const std::string& file, unsigned kinds, const char* const* options) {
+  return GdalDataset(gdal().GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, options, nullptr));
+}
+
+/// Whether any pixel of a file has no data; true, too, where reading it all would take long.
+bool has_gaps(const std::string& file) {
+  constexpr double kMostPixels = 1 << 26;
+  const GdalDataset set = open_as(file, GDAL_OF_RASTER, nullptr);
+  if (!set) return true;
+  const int columns = gdal().GDALGetRasterXSize(set.get()), rows = gdal().GDALGetRasterYSize(set.get()),
+            bands = gdal().GDALGetRasterCount(set.get());
+  if (double(columns) * rows * bands > kMostPixels) return true;
+  const int step = std::clamp((1 << 20) / std::max(columns, 1), 1, std::max(rows, 1));
+  std::vector<double> values;
+  std::vector<Pixel> known;
+  for (int b = 1; b <= bands; ++b) {
+    const GDALRasterBandH band = gdal().GDALGetRasterBand(set.get(), b);
+    const GdalBand described = describe_band(band);
+    for (int row = 0; row < rows; row += step) {
+      if (!read_rows(band, described, row, std::min(step, rows - row), values, known)) return true;
+      if (std::any_of(known.begin(), known.end(), [](Pixel pixel) { return pixel != Pixel::sound; })) return true;
     }
-  return "";
+  }
+  return false;
 }
 
-/// Looks at the files that a virtual raster is made of: GDAL takes the numbers of each as they stand.
-void look_at_sources(OpenedByGdal& opened, const std::string& file, int depth) {
-  constexpr int kDeepest = 8;
-  if (depth > kDeepest ||
-      std::string(gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(opened.set.get()))) != "VRT")
-    return;
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  const auto says = [&](const char* key) { return text.str().find(key) != std::string::npos; };
-  const Declared here = declared_by(opened.set.get());
-  char** const files = gdal().GDALGetFileList(opened.set.get());
-  for (char** each = files; each && *each && opened.wrong.empty(); ++each) {
-    const std::string source = *each;
+/// All files below a virtual raster: GDAL takes the numbers of each as they stand.
+class Sources {
+ public:
+  /// Looks at those of one; why it is refused, or empty.
+  std::string look(GDALDatasetH dataset, const std::string& file, int depth) {
+    constexpr int kDeepest = 8;
+    if (!is_virtual(dataset)) return "";
+    if (depth > kDeepest) return "virtual rasters of virtual rasters, more than 8 deep";
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    const auto says = [&](const char* key) { return text.str().find(key) != std::string::npos; };
+    const Declared here = declared_by(dataset);
+    const bool ratio = says("<ScaleRatio>"), computed = says("<PixelFunctionType>");
+    std::string wrong;
+    char** const files = gdal().GDALGetFileList(dataset);
+    for (char** each = files; each && *each && wrong.empty(); ++each) {
+      const std::string name = *each;
+      std::error_code failed;
+      if (std::filesystem::equivalent(name, file, failed) || name.ends_with(".xml")) continue;
+      Source& source = at(name, depth + 1);
+      const Declared& there = source.declared;
+      wrong = source.wrong;
+      if (there.signed_bytes && !here.signed_bytes)
+        wrong = "its numbers are signed bytes, which the virtual raster takes as 0 to 255; write it as Int16";
+      if (there.complex && !here.complex && !computed)
+        wrong = "it holds complex numbers, of which the virtual raster takes the real part; write the parts apart";
+      if (!wrong.empty()) wrong = "its source " + name + ": " + wrong;
+      if (there.scaled && !here.scaled && !ratio) lost_[0].insert(name);
+      if (there.unit && !here.unit) lost_[1].insert(name);
+      if (there.gaps && !here.gaps) {
+        if (!source.has_gaps) source.has_gaps = has_gaps(name);
+        if (*source.has_gaps) lost_[2].insert(name);
+      }
+      if (source.orientation != 1) lost_[3].insert(name);
+    }
+    gdal().CSLDestroy(files);
+    return wrong;
+  }
+
+  /// What they declare and virtual rasters leave out, each kind in one sentence.
+  std::vector<std::string> told() const {
+    static constexpr std::pair<const char*, const char*> kKinds[] = {
+        {"a scale or an offset", "give its band <Scale> and <Offset> of its own, or name the source"},
+        {"a unit", "give its band a <UnitType> of its own, or name the source"},
+        {"pixels without data", "give its band a <NoDataValue> of its own, or name the source"},
+        {"an orientation", "write the source's rows and columns as they are to be seen"}};
+    std::vector<std::string> out;
+    for (std::size_t kind = 0; kind < std::size(kKinds); ++kind) {
+      const std::size_t count = lost_[kind].size();
+      if (count == 0) continue;
+      const std::string first = *lost_[kind].begin();
+      out.push_back((count == 1 ? "its source " + first + " declares "
+                                : std::to_string(count) + " of its sources, " + first + " first, declare ") +
+                    kKinds[kind].first + ", which the virtual raster leaves out; " + kKinds[kind].second);
+    }
+    return out;
+  }
+
+ private:
+  Source& at(const std::string& file, int depth) {
     std::error_code failed;
-    if (std::filesystem::equivalent(source, file, failed) || source.ends_with(".xml")) continue;
-    OpenedByGdal part = open_at_depth(source, GDAL_OF_RASTER, depth + 1);
-    if (!part.set && std::filesystem::exists(source, failed) && part.refused) {
-      opened.wrong = "its source " + source + ": " + part.wrong;
-      break;
-    }
-    if (!part.set) continue;
-    const Declared there = declared_by(part.set.get());
-    std::string left;
-    const auto leave = [&](bool is, const char* what) {
-      if (is) left += (left.empty() ? "" : " and ") + std::string(what);
-    };
-    leave(there.scaled && !here.scaled && !says("<ScaleRatio>"), "a scale or an offset");
-    leave(there.unit && !here.unit, "a unit");
-    leave(there.gaps && !here.gaps && !says("<NODATA>") && !says("<UseMaskBand>"), "pixels without data");
-    if (!left.empty())
-      opened.told.push_back("its source " + source + " declares " + left +
-                            ", which the virtual raster leaves out; make it by gdalbuildvrt, or name the source");
-    opened.told.insert(opened.told.end(), part.told.begin(), part.told.end());
+    const auto [entry, fresh] = met_.try_emplace(std::filesystem::weakly_canonical(file, failed).string());
+    Source& out = entry->second;
+    if (!fresh) return out;
+    const OpenedByGdal part = open_at_depth(file, GDAL_OF_RASTER, depth, *this);
+    if (!part.set && part.refused && std::filesystem::exists(file, failed)) out.wrong = part.wrong;
+    if (!part.set) return out;
+    out.declared = declared_by(part.set.get()), out.orientation = image_orientation(file);
+    return out;
   }
-  gdal().CSLDestroy(files);
+
+  std::map<std::string, Source> met_;          ///< by canonical paths
+  std::array<std::set<std::string>, 4> lost_;  ///< names of sources, by the kind of what is left out
+};
+
+/// Of a text grid: what is wrong, or empty. GDAL takes integers for its type where the first lines have no other
+/// numbers, and the smallest or the beginning of what they cannot hold: such a grid is opened anew with doubles, which
+/// a virtual raster does not do for its sources.
+std::string open_text_grid(GdalDataset& set, const std::string& file, bool is_source) {
+  const TextGrid grid = read_text_grid(set.get(), file);
+  if (!grid.wrong.empty() || grid.beyond.empty()) return grid.wrong;
+  const auto type = [&] { return gdal().GDALGetRasterDataType(gdal().GDALGetRasterBand(set.get(), 1)); };
+  const std::string chosen = gdal().GDALGetDataTypeName(type());
+  static const char* const kDoubles[] = {"DATATYPE=Float64", nullptr};
+  if (!is_source)
+    if (GdalDataset again = open_as(file, GDAL_OF_RASTER, kDoubles)) set = std::move(again);
+  if (type() == GDT_Float64) return "";
+  return grid.beyond + " by GDAL, which takes the file's for " + chosen +
+         "; write it as GeoTIFF of doubles (gdal_translate -oo DATATYPE=Float64 -ot Float64)";
 }
 
-OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth) {
+OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth, Sources& sources) {
   const QuietGdal quiet;
   OpenedByGdal out;
   if (depth == 0)  // which looks at sources of sources, too
-    for (const std::string& special : {special_beside(file), special_source(file)})
-      if (!special.empty()) {
-        out.wrong = "it needs " + special, out.refused = true;
-        return out;
-      }
-  out.set = GdalDataset(gdal().GDALOpenEx(file.c_str(), kinds | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+    if (const std::string special = special_around(file); !special.empty()) {
+      out.wrong = "it needs " + special, out.refused = true;
+      return out;
+    }
+  out.set = open_as(file, kinds, nullptr);
   if (!out.set) {
     out.wrong = gdal_message();
     if (out.wrong.empty()) out.wrong = "no message";
@@ -219,14 +218,21 @@ OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth) {
   }
   if (gdal().GDALGetRasterCount(out.set.get()) == 0) return out;
   out.wrong = cut_short(out.set.get(), file);
-  if (out.wrong.empty()) out.wrong = miscounted_grid(out.set.get(), file);
-  if (out.wrong.empty()) look_at_sources(out, file, depth);
+  if (out.wrong.empty()) out.wrong = open_text_grid(out.set, file, depth > 0);
+  if (out.wrong.empty() && depth == 0 && declared_by(out.set.get()).complex)
+    out.wrong = "it holds complex numbers, whose parts are to be written apart";
+  if (out.wrong.empty()) out.wrong = sources.look(out.set.get(), file, depth);
   if (!out.wrong.empty()) out.set.reset(), out.refused = true;
   return out;
 }
 
 }  // namespace
 
-OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds) { return open_at_depth(file, kinds, 0); }
+OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds) {
+  Sources sources;
+  OpenedByGdal out = open_at_depth(file, kinds, 0, sources);
+  out.told = sources.told();
+  return out;
+}
 
 }  // namespace raycube::base

@@ -12,12 +12,13 @@ struct OpenedByGdal {
   GdalDataset set;                ///< none: it cannot be used
   std::string wrong;              ///< why not, by us or by GDAL; empty where it can
   bool refused = false;           ///< by us: GDAL opened it
-  std::vector<std::string> told;  ///< what sources of a virtual raster declare and it leaves out
+  std::vector<std::string> told;  ///< what sources of a virtual raster declare and it leaves out, each kind once
 };
 
 /// Opens a file to read. kinds: GDAL_OF_RASTER, GDAL_OF_VECTOR or both. Refused although GDAL reads them, as zeros: raw
 /// files that end before their header says, and text grids (ESRI, GRASS, Surfer) with words, or with more or fewer
-/// numbers than their header counts; a virtual raster where one of its sources is refused.
+/// numbers than their header counts; complex numbers; a virtual raster where one of its sources is refused. Text grids
+/// have doubles where GDAL's integers do not hold what they say.
 OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds = GDAL_OF_RASTER);
 
 }  // namespace raycube::base

@@ -5,14 +5,13 @@ told in another way, whose truth and radiance are known in closed form. usage: d
 
 import base64
 import pathlib
-import struct
 import sys
 import tempfile
 
 import numpy
 
 from analysis_kit import write_cube
-from driver import Program, envi
+from driver import Program, envi, tiff
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -223,23 +222,6 @@ def pictures(folder):
     check(abs(seen["eight"].max() / seen["eight"].min() - 8) < 1e-4, seen)  # 0.8 beside 0.1
 
 
-def tiff(path, values, orientation=1, place=None):
-    """An uncompressed picture of eight bits with an orientation, and a place on a map: (easting, northing) of its
-    corner and the side of its pixels."""
-    rows, columns = values.shape
-    doubles = [place[2], place[2], 0.0, 0.0, 0.0, 0.0, place[0], place[1], 0.0] if place else []
-    keys = [1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32632] if place else []
-    entries = [(256, 3, 1, columns), (257, 3, 1, rows), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1)]
-    entries += [(273, 4, 1, 8), (274, 3, 1, orientation), (277, 3, 1, 1), (278, 3, 1, rows), (279, 4, 1, values.size)]
-    at = 8 + values.size + values.size % 2
-    if place:
-        entries += [(33550, 12, 3, at), (33922, 12, 6, at + 24), (34735, 3, len(keys), at + 72)]
-    extra = struct.pack(f"<{len(doubles)}d{len(keys)}H", *doubles, *keys)
-    directory = struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", *entry) for entry in entries)
-    pixels = values.astype("u1").tobytes() + b"\0" * (values.size % 2)
-    path.write_bytes(struct.pack("<2sHI", b"II", 42, at + len(extra)) + pixels + extra + directory + b"\0" * 4)
-
-
 def orientations(folder):
     """A picture is seen as its tag says, not as its rows stand; what lies on a map stays there, and that is told."""
     (folder / "family.csv").write_text("wavelength_nm,a,b,c\n400,0.1,0.4,0.8\n900,0.1,0.4,0.8\n")
@@ -442,6 +424,14 @@ def cubes(folder):
     tiff(folder / "mask.tif", mask, 3)
     done = run("analyze", "statistics", cube, "--region", f"r={folder / 'mask.tif'}", "-o", folder / "out", status=2)
     check("(orientation 3)" in done.stderr, done.stderr)
+    source = '<SimpleSource><SourceFilename relativeToVRT="1">mask.tif</SourceFilename></SimpleSource>'
+    for kind, says in (("Byte", "declares an orientation, which the virtual raster leaves out"), ("CFloat32", "complex")):
+        (folder / "mask.vrt").write_text(
+            f'<VRTDataset rasterXSize="5" rasterYSize="4"><VRTRasterBand dataType="{kind}" band="1">{source}'
+            "</VRTRasterBand></VRTDataset>"
+        )
+        done = run("analyze", "statistics", cube, "--region", f"r={folder / 'mask.vrt'}", "-o", folder / "out", status=2)
+        check(says in done.stderr, done.stderr)
 
 
 for case in (heights, voids, systems, pictures, orientations, meshes, spectra, cubes):

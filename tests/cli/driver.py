@@ -5,6 +5,7 @@ import os
 import pathlib
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -321,6 +322,23 @@ def float_image(path, values):
         f"ENVI\nsamples = {values.shape[1]}\nlines = {values.shape[0]}\nbands = {values.shape[2]}\nheader offset = 0\n"
         "file type = ENVI Standard\ndata type = 4\ninterleave = bip\nbyte order = 0\n"
     )
+
+
+def tiff(path, values, orientation=1, place=None):
+    """An uncompressed picture of eight bits with an orientation, and a place on a map: (easting, northing) of its
+    corner and the side of its pixels."""
+    rows, columns = values.shape
+    doubles = [place[2], place[2], 0.0, 0.0, 0.0, 0.0, place[0], place[1], 0.0] if place else []
+    keys = [1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32632] if place else []
+    entries = [(256, 3, 1, columns), (257, 3, 1, rows), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1)]
+    entries += [(273, 4, 1, 8), (274, 3, 1, orientation), (277, 3, 1, 1), (278, 3, 1, rows), (279, 4, 1, values.size)]
+    at = 8 + values.size + values.size % 2
+    if place:
+        entries += [(33550, 12, 3, at), (33922, 12, 6, at + 24), (34735, 3, len(keys), at + 72)]
+    extra = struct.pack(f"<{len(doubles)}d{len(keys)}H", *doubles, *keys)
+    directory = struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", *entry) for entry in entries)
+    pixels = values.astype("u1").tobytes() + b"\0" * (values.size % 2)
+    path.write_bytes(struct.pack("<2sHI", b"II", 42, at + len(extra)) + pixels + extra + directory + b"\0" * 4)
 
 
 def record(folder):

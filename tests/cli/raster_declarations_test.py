@@ -9,7 +9,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi
+from driver import Program, envi, tiff
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -97,7 +97,7 @@ def terrain(folder, raster, surface='material = "m"'):
 def told(file, *says, status=0):
     done = run("scene", "check", file, status=status)
     for part in says:
-        check(part in done.stderr, part, done.stderr)
+        check(part in done.stderr + done.stdout, part, done.stderr, done.stdout)
     return done
 
 
@@ -162,12 +162,78 @@ def sources(folder):
     """What sources of a virtual raster declare and it does not is told."""
     for more, says in (
         ("data gain values = {1.5}\n", "declares a scale or an offset"),
-        ("data ignore value = -9\n", "declares pixels without data"),
+        ("data ignore value = 100\n", "declares pixels without data"),
         ("data units = ft\n", "declares a unit"),
     ):
         raw(folder, "e.dat", HEIGHT, more)
         (folder / "v.vrt").write_text(virtual("e.dat"))
         told(terrain(folder, "v.vrt"), "e.dat", says, "the virtual raster leaves out")
+    raw(folder, "e.dat", HEIGHT, "data ignore value = -9\n")
+    told(terrain(folder, "v.vrt"), "0 notices")  # no pixel has it
+    tiff(folder / "t.tif", HEIGHT, 6)
+    (folder / "v.vrt").write_text(virtual("t.tif"))
+    told(terrain(folder, "v.vrt"), "t.tif declares an orientation")
+    (folder / "t.tif").unlink()
+    raw(folder, "e.dat", HEIGHT)
+    (folder / "v.vrt").write_text(virtual("e.dat", kind="Int64"))
+    told(terrain(folder, "v.vrt"))
+    (folder / "v.vrt").write_text(virtual("e.dat", kind="CFloat32"))
+    told(terrain(folder, "v.vrt"), "it holds complex numbers", status=2)
+    raw(folder, "e.dat", HEIGHT, dtype=">c8", code=6)
+    (folder / "v.vrt").write_text(virtual("e.dat"))
+    told(terrain(folder, "v.vrt"), "e.dat: it holds complex numbers", status=2)
+    # Many sources, some by many ways: each is opened once, and one sentence has their number.
+    source = virtual("SOURCE")
+    part = source[source.index("<SimpleSource>") : source.index("</VRTRasterBand>")]
+    (folder / "tiles").mkdir()
+    names = [f"tiles/{i}.dat" for i in range(200)]
+    for name in names:
+        raw(folder, name, HEIGHT, "data units = ft\n")
+    (folder / "v.vrt").write_text(source.replace(part, "".join(part.replace("SOURCE", name) for name in names)))
+    told(terrain(folder, "v.vrt"), "200 of its sources, ", "declare a unit", "1 notice")
+    inner = names[0]
+    for name in ("a.vrt", "b.vrt", "c.vrt"):
+        (folder / name).write_text(source.replace(part, 30 * part.replace("SOURCE", inner)))
+        inner = name
+    told(terrain(folder, inner), "1 notice")
+
+
+def integers(folder):
+    """Numbers that GDAL's integers do not hold are read as they stand, or refused in a virtual raster."""
+    whole = numpy.full((SIZE, SIZE), 50.0)
+    text = esri(whole)
+    (folder / "fifty.asc").write_text(text)
+    last = text.rstrip("\n").rsplit(" ", 1)[0] + " "
+    for word, says in (
+        ("nan", "1 of 25"),
+        ("inf", "1 of 25"),
+        ("4294967346", "row 4, column 4: height is out of range (found 4294967346)"),
+    ):
+        (folder / "w.asc").write_text(last + word + "\n")
+        told(terrain(folder, "w.asc"), says, status=2)
+        (folder / "v.vrt").write_text(virtual("w.asc"))
+        told(terrain(folder, "v.vrt"), f"'{word}' is read as another number (row 4, column 4", status=2)
+    (folder / "w.asc").write_text(last.replace("cellsize 10", "cellsize 10\nNODATA_value nan") + "nan\n")
+    told(terrain(folder, "w.asc"), "1 of 25", status=2)
+    classes = 'class_map = "c.asc"\nmaterials = { 1 = "m" }'
+    ones = numpy.ones((SIZE, SIZE))
+    ones[2, 2] = numpy.nan
+    (folder / "c.asc").write_text(esri(ones))
+    told(terrain(folder, "fifty.asc", classes), "class has no material (found nan on 1 cells)", status=2)
+
+
+def signed_bytes(folder):
+    """Bytes of -128 to 127, which GDAL before 3.7 hands on as 0 to 255."""
+    (folder / "plain.asc").write_text(esri(numpy.round(HEIGHT) - 105))
+    right = seen(folder, terrain(folder, "plain.asc"))
+    (folder / "b.hdr").write_text(
+        f"nrows {SIZE}\nncols {SIZE}\nnbands 1\nnbits 8\npixeltype SIGNEDINT\nbyteorder I\nlayout BIL\n"
+        f"ulxmap {WEST + 5}\nulymap {NORTH - 5}\nxdim 10\nydim 10\n"
+    )
+    (folder / "b.bil").write_bytes((numpy.round(HEIGHT) - 105).astype("i1").tobytes())
+    check(abs(seen(folder, terrain(folder, "b.bil")) - right).max() < 1e-3, right)
+    (folder / "v.vrt").write_text(virtual("b.bil"))
+    told(terrain(folder, "v.vrt"), "b.bil: its numbers are signed bytes", status=2)
 
 
 def maps(folder):
@@ -182,6 +248,10 @@ def maps(folder):
     told(terrain(folder, "plain.asc", mixture), "fraction without data", status=2)
     (folder / "c.vrt").write_text(virtual("c.asc", kind="Byte"))
     check("no data" not in told(terrain(folder, "plain.asc", classes)).stderr)
+    one = virtual("c.asc").replace(f'Size="{SIZE}"', 'Size="10000"')
+    band = one[one.index("<VRTRasterBand") : one.index("</VRTDataset>")]
+    (folder / "c.vrt").write_text(one.replace(band, "".join(band.replace('band="1"', f'band="{b}"') for b in (1, 2, 3))))
+    told(terrain(folder, "plain.asc", mixture), "at most 89478485 pixels in each of 3 bands", status=2)
 
 
 def south_first(folder):
@@ -212,7 +282,7 @@ def south_first(folder):
     check((light["n.vrt"] == light["s.vrt"]).all(), light)
 
 
-for case in (numbers, counts, sources, maps, south_first):
+for case in (numbers, counts, integers, signed_bytes, sources, maps, south_first):
     with tempfile.TemporaryDirectory() as made:
         case(pathlib.Path(made))
 print(f"raster declarations: {program.checks} checks")
