@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "host/base/input_file.h"
+#include "host/base/text.h"
 
 namespace raycube::scene {
 namespace {
@@ -144,7 +145,7 @@ std::optional<CsvFile> read_csv(const std::string& file, const base::Where& aske
   if (!text) return std::nullopt;
   CsvFile csv;
   csv.file = file;
-  std::istringstream stream(*text);
+  std::istringstream stream(base::without_dos_end(*text));
   std::string line;
   struct Uneven {
     std::size_t count = 0;

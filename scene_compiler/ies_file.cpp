@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 
@@ -21,7 +22,7 @@ class Numbers {
  public:
   Numbers(std::string text, const std::string& file, Problems& problems) : file_(file), problems_(problems) {
     std::replace(text.begin(), text.end(), ',', ' ');
-    stream_.str(std::move(text));
+    stream_.str(base::without_dos_end(std::move(text)));
   }
   double next(const char* what) {
     std::string word;

@@ -19,6 +19,13 @@ class MemorySum {
   /// thing is then not to be built.
   bool take(double bytes, const base::Where& where, const std::string& what, const std::string& way_out,
             base::Problems& problems);
+  /// The same of one of many, which reports nothing: the caller gives back those before and take()s their sum.
+  bool take_quietly(double bytes) {
+    const bool fits = left() >= bytes;
+    if (fits) bytes_ += bytes;
+    return fits;
+  }
+  void give_back(double bytes) { bytes_ -= bytes; }
   /// What is left of it, bytes.
   double left() const { return static_cast<double>(available_.bytes) - bytes_; }
   const base::AvailableMemory& available() const { return available_; }

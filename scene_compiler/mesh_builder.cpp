@@ -91,7 +91,7 @@ void add_mesh(const Record& record, bool strict, MaterialTable& materials, Scene
                          std::to_string(file->mesh.triangles.size()) + " triangles", "give smaller meshes", problems))
     return;
   assign_materials(record, materials, *file, problems);
-  if (problems.empty()) lay_images(record, materials, *file, parts.notices, problems);
+  if (problems.empty()) lay_images(record, materials, *file, parts.memory, parts.notices, problems);
   if (file->dropped_faces > 0)
     parts.notices.push_back(record.text("file") + ": dropped " + std::to_string(file->dropped_faces) + " of " +
                             std::to_string(file->faces) + " faces without area (first: " + file->first_dropped + ")");
@@ -292,8 +292,6 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
                  number_text(std::round(expected)) + " in the region's rectangle", "at most 5e7; lower the density");
     return;
   }
-  // Of a class the places are counted as they come, some at a time.
-  constexpr std::uint64_t kCounted = 1 << 16;
   const bool by_class = record.given("class");
   const double share =
       record.given("polygon_m") ? area_of(record.value("polygon_m").points) / ((b[2] - b[0]) * (b[3] - b[1])) : 1;
@@ -302,7 +300,7 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
                              number_text(std::round(count)) + " placements", "lower the density", problems);
   };
   if (!by_class && !fits(share * expected)) return;
-  std::uint64_t placed = 0;
+  double placed = 0;  // of a class they are counted as they come
   const auto seed = static_cast<std::uint64_t>(record.integer("seed"));
   const auto& yaw = record.numbers("yaw_range_deg");
   const auto& scale = record.numbers("scale_range");
@@ -317,7 +315,14 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
     std::array<double, 3> p{draw(b[0], b[2], 0), draw(b[1], b[3], 1), 0};
     if (record.given("polygon_m") && !inside(record.value("polygon_m").points, p[0], p[1])) continue;
     if (record.given("class") && !in_class(parts, p[0], p[1], record.integer("class"))) continue;
-    if (by_class && placed++ % kCounted == 0 && !fits(double{kCounted})) return;
+    if (by_class) {
+      if (!parts.memory.take_quietly(kPlaced_bytes)) {
+        parts.memory.give_back(placed * kPlaced_bytes);
+        fits(placed + 1);
+        return;
+      }
+      ++placed;
+    }
     if (drop(record, parts, record.where, p, problems))
       place(mesh, placement(p, draw(yaw[0], yaw[1], 2), draw(scale[0], scale[1], 3)), parts);
   }

@@ -1,15 +1,21 @@
 #include "scene_compiler/mesh_declared.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/gdal_library.h"
 #include "host/base/json_text.h"
 #include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
+#include "scene_compiler/document_values.h"
 #include "scene_compiler/mesh_file.h"
 
 namespace raycube::scene {
@@ -117,10 +123,17 @@ std::size_t gltf_faces(const nlohmann::json& json) {
   return faces;
 }
 
-/// A DXF's unit (DXF reference, HEADER, $INSUNITS); nullopt: none.
-std::optional<double> dxf_unit_m(const std::string& text) {
+/// What a text says of its unit.
+struct DeclaredUnit {
+  std::optional<double> metres;  ///< nullopt: it says nothing
+  std::string wrong;             ///< what it says that is no unit
+};
+
+/// A DXF's unit (DXF reference, HEADER, $INSUNITS).
+DeclaredUnit dxf_unit(const std::string& text) {
+  constexpr double kSurveyFoot = 1200.0 / 3937;
   // inches, feet, miles, mm, cm, m, km, microinches, mils, yards, angstroms, nm, um, dm, dam, hm, Gm, AU, light years,
-  // parsecs, US survey feet
+  // parsecs, and of US surveys feet, inches, yards, miles
   static constexpr double kMetres[] = {0.0254,
                                        0.3048,
                                        1609.344,
@@ -141,57 +154,127 @@ std::optional<double> dxf_unit_m(const std::string& text) {
                                        149597870700.0,
                                        9.4607304725808e15,
                                        3.0856775814913673e16,
-                                       1200.0 / 3937};
+                                       kSurveyFoot,
+                                       kSurveyFoot / 12,
+                                       3 * kSurveyFoot,
+                                       5280 * kSurveyFoot};
   const auto at = text.find("$INSUNITS");
-  if (at == std::string::npos) return std::nullopt;
+  if (at == std::string::npos) return {};
   std::istringstream in(text.substr(at, 200));
-  std::string name;
-  int code = 0, unit = 0;
-  if (!(in >> name >> code >> unit) || code != 70 || unit < 1 || unit > 21) return std::nullopt;
-  return kMetres[unit - 1];
+  std::string name, code, unit;
+  in >> name >> code >> unit;
+  const auto number = parse_number(unit);
+  if (code == "70" && number && *number == 0) return {};
+  for (std::size_t i = 0; code == "70" && number && i < std::size(kMetres); ++i)
+    if (*number == static_cast<double>(i + 1)) return {kMetres[i], ""};
+  return {{}, "$INSUNITS = " + unit.substr(0, 20)};
 }
 
-/// The value of an attribute of the first element that begins so; empty: there is none.
-std::string attribute(const std::string& text, const std::string& element, const std::string& name) {
-  const auto from = text.find("<" + element);
-  if (from == std::string::npos) return "";
-  const std::string head = text.substr(from, text.find('>', from) - from);
-  const auto at = head.find(" " + name);
-  const auto quote = at == std::string::npos ? at : head.find_first_of("\"'", at);
-  if (quote == std::string::npos) return "";
-  return head.substr(quote + 1, head.find(head[quote], quote + 1) - quote - 1);
-}
+constexpr const char* kXmlSpace = " \t\r\n";
 
-/// The unit of lengths of an X3D (ISO/IEC 19775-1, 7.2.5 UNIT).
-std::optional<double> x3d_unit_m(const std::string& text) {
-  for (auto at = text.find("<unit"); at != std::string::npos; at = text.find("<unit", at + 1)) {
-    const std::string here = text.substr(at, text.find('>', at) - at + 1);
-    if (lower_case(attribute(here, "unit", "category")) != "length") continue;
-    const auto factor = parse_number(attribute(here, "unit", "conversionFactor"));
-    if (factor && *factor > 0) return factor;
+/// Calls `visit` with the name and the attributes of each element of an XML in turn, until it returns true; comments
+/// and what is no element are passed over. Every character is looked at once.
+template <class Visit>
+void visit_elements(std::string_view text, Visit visit) {
+  static constexpr std::pair<std::string_view, std::string_view> kOther[] = {
+      {"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}, {"</", ">"}, {"<!", ">"}};
+  std::size_t at = text.find('<');
+  while (at != std::string_view::npos) {
+    const std::string_view rest = text.substr(at);
+    const auto other = std::find_if(std::begin(kOther), std::end(kOther),
+                                    [&](const auto& kind) { return rest.starts_with(kind.first); });
+    if (other != std::end(kOther)) {
+      at = text.find(other->second, at + other->first.size());
+      if (at != std::string_view::npos) at = text.find('<', at + other->second.size());
+      continue;
+    }
+    std::size_t end = at;
+    for (char quote = '\0'; end < text.size() && (quote != '\0' || text[end] != '>'); ++end)
+      if (quote != '\0')
+        quote = text[end] == quote ? '\0' : quote;
+      else if (text[end] == '"' || text[end] == '\'')
+        quote = text[end];
+    if (end == text.size()) return;
+    std::string_view head = text.substr(at + 1, end - at - 1);
+    const std::size_t after = std::min(head.find_first_of(std::string(kXmlSpace) + "/"), head.size());
+    std::string_view name = head.substr(0, after);
+    if (const std::size_t prefix = name.find(':'); prefix != std::string_view::npos) name.remove_prefix(prefix + 1);
+    if (visit(name, head.substr(after))) return;
+    at = text.find('<', end);
   }
-  return std::nullopt;
 }
 
-/// Of AMF (ISO/ASTM 52915): millimetres where it says nothing.
-double additive_unit_m(const std::string& name) {
-  const std::string unit = lower_case(name);
-  return unit == "inch"                     ? 0.0254
-         : unit == "feet" || unit == "foot" ? 0.3048
-         : unit == "meter"                  ? 1
-         : unit == "centimeter"             ? 1e-2
-         : unit == "micron"                 ? 1e-6
-                                            : 1e-3;
+/// The value of an attribute; empty: there is none.
+std::string attribute(std::string_view attributes, std::string_view wanted) {
+  std::size_t at = 0;
+  while ((at = attributes.find_first_not_of(kXmlSpace, at)) != std::string_view::npos) {
+    const std::size_t equals = attributes.find('=', at);
+    const std::size_t open = equals == std::string_view::npos ? equals : attributes.find_first_of("\"'", equals);
+    const std::size_t close = open == std::string_view::npos ? open : attributes.find(attributes[open], open + 1);
+    if (close == std::string_view::npos) return "";
+    if (trimmed(std::string(attributes.substr(at, equals - at))) == wanted)
+      return trimmed(std::string(attributes.substr(open + 1, close - open - 1)));
+    at = close + 1;
+  }
+  return "";
 }
 
-/// An OFF's rows: as many as vertices and faces that it counts.
+/// The unit of lengths of an X3D (ISO/IEC 19775-1, 7.2.5 UNIT), which stands before its scene.
+DeclaredUnit x3d_unit(const std::string& text) {
+  DeclaredUnit out;
+  visit_elements(text, [&](std::string_view name, std::string_view attributes) {
+    if (name != "unit" || lower_case(attribute(attributes, "category")) != "length") return name == "Scene";
+    const std::string factor = attribute(attributes, "conversionFactor");
+    const auto number = parse_number(factor);
+    if (number && *number > 0 && std::isfinite(*number))
+      out.metres = number;
+    else
+      out.wrong = "conversionFactor = '" + factor.substr(0, 40) + "'";
+    return true;
+  });
+  return out;
+}
+
+/// Of AMF (ISO/ASTM 52915) and of a 3MF's model (3MF Core Specification, 3.4): millimetres where it says nothing.
+DeclaredUnit additive_unit(const std::string& text, std::string_view element) {
+  static const std::map<std::string, double> kMetres = {
+      {"", 1e-3},           {"millimeter", 1e-3}, {"millimetre", 1e-3}, {"mm", 1e-3},
+      {"inch", 0.0254},     {"in", 0.0254},       {"foot", 0.3048},     {"feet", 0.3048},
+      {"ft", 0.3048},       {"meter", 1},         {"metre", 1},         {"m", 1},
+      {"centimeter", 1e-2}, {"cm", 1e-2},         {"centimetre", 1e-2}, {"micrometer", 1e-6},
+      {"micrometre", 1e-6}, {"micron", 1e-6},     {"microns", 1e-6}};
+  DeclaredUnit out;
+  visit_elements(text, [&](std::string_view name, std::string_view attributes) {
+    if (name != element) return false;
+    const std::string unit = lower_case(attribute(attributes, "unit"));
+    if (const auto found = kMetres.find(unit); found != kMetres.end())
+      out.metres = found->second;
+    else
+      out.wrong = "unit = '" + unit.substr(0, 40) + "'";
+    return true;
+  });
+  return out;
+}
+
+DeclaredUnit declared_unit(const std::string& text, const std::string& ending) {
+  if (ending == ".dxf") return text.starts_with("AutoCAD Binary") ? DeclaredUnit{} : dxf_unit(text);
+  if (ending == ".x3d") return x3d_unit(text);
+  if (ending == ".amf") return additive_unit(text, "amf");
+  return {};
+}
+
+/// An OFF's rows: as many as vertices and faces that it counts. Its first word may say what stands beside a vertex'
+/// coordinates (Geomview: [ST][C][N][4][n]OFF).
 void check_off(const std::string& text, const std::string& file, Problems& problems) {
+  constexpr double kMost = 4e9;
   std::istringstream in(text);
   std::vector<double> counts;
   std::size_t rows = 0;
   for (std::string line; std::getline(in, line);) {
     line = trimmed(line.substr(0, line.find('#')));
-    if (counts.empty() && lower_case(line).starts_with("off")) line = trimmed(line.substr(3));
+    if (const auto kind = lower_case(line).find("off");
+        counts.empty() && kind <= 5 && lower_case(line).find_first_not_of("stcn4") >= kind)
+      line = trimmed(line.substr(kind + 3));
     if (line.empty()) continue;
     if (!counts.empty()) {
       ++rows;
@@ -201,10 +284,14 @@ void check_off(const std::string& text, const std::string& file, Problems& probl
     for (double count = 0; words >> count;) counts.push_back(count);
     if (counts.size() < 2) return;  // another kind of OFF, of which Assimp says what is wrong
   }
-  if (counts.size() < 2 || static_cast<double>(rows) == counts[0] + counts[1]) return;
+  if (counts.size() < 2) return;
+  for (const double count : {counts[0], counts[1]})
+    if (!(count >= 0 && count <= kMost && count == std::floor(count)))
+      return problems.add({file, 0, 0, ""}, "a count of vertices or faces that is none", number_text(count),
+                          "correct the file's counts");
+  if (static_cast<double>(rows) == counts[0] + counts[1]) return;
   problems.add({file, 0, 0, ""}, "another number of rows than the file counts",
-               std::to_string(rows) + " for " + std::to_string(static_cast<std::uint64_t>(counts[0] + counts[1])) +
-                   " vertices and faces",
+               std::to_string(rows) + " for " + number_text(counts[0] + counts[1]) + " vertices and faces",
                "restore the file, or correct its counts");
 }
 
@@ -213,18 +300,27 @@ bool is_gltf(const std::string& ending) { return ending == ".gltf" || ending == 
 }  // namespace
 
 std::optional<double> declared_unit_m(const std::string& text, const std::string& ending) {
-  if (ending == ".dxf") return dxf_unit_m(text);
-  if (ending == ".x3d") return x3d_unit_m(text);
-  if (ending == ".amf") return additive_unit_m(attribute(text, "amf", "unit"));
-  return std::nullopt;
+  return declared_unit(text, ending).metres;
+}
+
+std::optional<double> package_unit_m(const std::string& file) {
+  constexpr std::size_t kHead = 1 << 16;
+  const base::QuietGdal quiet;
+  VSILFILE* const model = base::gdal().VSIFOpenL(("/vsizip/{" + file + "}/3D/3dmodel.model").c_str(), "rb");
+  if (!model) return std::nullopt;
+  std::string head(kHead, '\0');
+  head.resize(base::gdal().VSIFReadL(head.data(), 1, kHead, model));
+  base::gdal().VSIFCloseL(model);
+  return additive_unit(head, "model").metres;
 }
 
 void check_mesh_text(const std::string& text, const std::string& ending, const std::string& file, Problems& problems) {
   const base::Where where{file, 0, 0, ""};
   if (is_gltf(ending)) check_extensions(text, file, problems);
-  if (ending == ".off") check_off(text, file, problems);
-  if (ending == ".3mf") problems.tell(where, "the unit that a 3MF declares is not read; it is taken as in millimetres");
-  if (ending == ".dxf" && !text.starts_with("AutoCAD Binary") && !trimmed(text).ends_with("EOF"))
+  if (ending == ".off") check_off(base::without_dos_end(text), file, problems);
+  if (const std::string wrong = declared_unit(text, ending).wrong; !wrong.empty())
+    problems.add(where, "the file's unit of lengths is not known", wrong, "write the mesh in metres");
+  if (ending == ".dxf" && !text.starts_with("AutoCAD Binary") && !trimmed(base::without_dos_end(text)).ends_with("EOF"))
     problems.add(where, "a DXF ends before its end", "no EOF in its last line", "restore the file");
   if (ending != ".obj") return;
   std::istringstream in(text);

@@ -15,6 +15,7 @@
 #include <limits>
 #include <sstream>
 
+#include "host/base/gdal_library.h"
 #include "host/base/input_file.h"
 #include "host/base/limited_child.h"
 #include "host/base/memory.h"
@@ -116,7 +117,9 @@ void count_node(const aiScene& scene, const aiNode& node, Shown& shown) {
 }
 
 /// What the file's own numbers are, by its ending and what Assimp 5.2.5 says of it.
-MeshFrame declared_frame(const aiScene& scene, const std::string& ending) {
+MeshFrame declared_frame(const aiScene& scene, const std::string& file) {
+  const std::string ending = lower_case(std::filesystem::path(file).extension().string());
+  if (ending == ".3mf") return {'z', package_unit_m(file)};
   if (ending == ".gltf" || ending == ".glb") return {'y', 1.0};
   if (ending == ".3ds" || ending == ".dxf" || ending == ".ase") return {'z', std::nullopt};
   if (ending == ".x3d" || ending == ".wrl") return {'y', 1.0};
@@ -184,7 +187,7 @@ void read_by_assimp(const std::string& file, const std::string& text,
   count_node(*scene, *scene->mRootNode, shown);
   parcel.value(shown);
   if (shown.bytes() > room_bytes) return;
-  const MeshFrame declared = declared_frame(*scene, lower_case(std::filesystem::path(file).extension().string()));
+  const MeshFrame declared = declared_frame(*scene, file);
   parcel.value(declared.up.value_or('\0')), parcel.value(declared.unit_m.value_or(0));
   parcel.value(declared.upside_down);
   send_node(*scene, *scene->mRootNode, aiMatrix4x4(), parcel);
@@ -364,6 +367,8 @@ bool add_by_assimp(Importer& reader, const std::string& file, const std::string&
   const auto centre = obj ? far_centre(obj_vertices(text), reader.out.unit_m) : std::nullopt;
   const base::AvailableMemory available = base::available_memory();
   const double room_bytes = std::min(request.room_bytes, static_cast<double>(available.bytes));
+  const std::string ending = lower_case(std::filesystem::path(file).extension().string());
+  if (ending == ".3mf") base::gdal();  // by which the child opens the package
   base::ChildLimits limits;
   limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(text.size());
   limits.memory_bytes = kBase_bytes + kPerByte_bytes * text.size();
@@ -392,7 +397,6 @@ bool add_by_assimp(Importer& reader, const std::string& file, const std::string&
                  "write it with an axis that points up, for instance by Blender");
     return false;
   }
-  const std::string ending = lower_case(std::filesystem::path(file).extension().string());
   if (const auto unit_m = declared_unit_m(text, ending)) declared.unit_m = unit_m;
   tell_of_silence(declared, ending, request, file, problems);
   reader.set_frame(declared, assimp_turns(ending));

@@ -14,6 +14,7 @@ namespace {
 using base::Problems;
 
 constexpr double kMostCells = 4e7;
+constexpr double kCut_bytes = 210;  ///< of a triangle while the mesh grows: 1.5 times what it takes in the end
 constexpr std::uint32_t kCutOut = 0xffffffffu;
 
 /// Middle of a triangle in the two axes that it faces least, m, and whether its sides are longer than `size_m`.
@@ -78,7 +79,8 @@ double length(const Vector& a) { return std::sqrt(dot(a, a)); }
 class Cutting {
  public:
   /// has_relief: of a surface.
-  Cutting(const TriangleMesh& from, const std::function<bool(std::uint32_t)>& has_relief) : from_(from) {
+  Cutting(const TriangleMesh& from, double most_triangles, const std::function<bool(std::uint32_t)>& has_relief)
+      : from_(from), most_triangles_(most_triangles) {
     mesh.vertices = from.vertices;
     for (std::size_t t = 0; t < from.triangles.size(); ++t) {
       if (!has_relief(from.surface[t])) continue;
@@ -100,7 +102,7 @@ class Cutting {
           return images.texture != nullptr ? images.texture->at(u, v) : 0u;
         },
         [&](const std::vector<ImageCorner>& piece, std::uint32_t number) {
-          if (number == kCutOut) return;
+          if (full || number == kCutOut) return;
           std::vector<std::uint32_t> at;
           for (const ImageCorner& corner : piece)
             at.push_back(vertex(corner.position, [&](std::array<float, 3>& placed) {
@@ -112,6 +114,7 @@ class Cutting {
   }
 
   TriangleMesh mesh;
+  bool full = false;  ///< triangles are missing: there were more than asked for
 
  private:
   struct Bits {
@@ -168,12 +171,15 @@ class Cutting {
   void add(const std::array<std::uint32_t, 3>& corners, std::uint32_t surface, std::size_t triangle) {
     const auto& v = mesh.vertices;
     if (zero_area(v[corners[0]], v[corners[1]], v[corners[2]])) return;  // as thin as rounding
+    full = full || static_cast<double>(mesh.triangles.size()) >= most_triangles_;
+    if (full) return;
     mesh.triangles.push_back(corners);
     mesh.surface.push_back(surface);
     mesh.user_face.push_back(from_.user_face[triangle]);
   }
 
   const TriangleMesh& from_;
+  double most_triangles_;
   std::unordered_map<std::array<float, 3>, std::uint32_t, Bits> known_;  ///< by places before they are lifted
   std::unordered_map<std::array<float, 3>, Vector, Bits> normals_;  ///< of corners with relief: sums of faces, by area
 };
@@ -191,10 +197,13 @@ std::optional<std::array<ImageCorner, 3>> image_corners(const MeshFile& file, st
 }
 
 /// Cuts every triangle whose material has images by coordinates; false after reporting.
-bool lay_by_coordinates(const Record& record, const MaterialTable& materials, MeshFile& file, Problems& problems) {
+bool lay_by_coordinates(const Record& record, const MaterialTable& materials, MeshFile& file, MemorySum& memory,
+                        Problems& problems) {
   const auto has_images = [&](std::uint32_t surface) { return materials.images(surface).any(); };
   if (std::none_of(file.mesh.surface.begin(), file.mesh.surface.end(), has_images)) return true;
-  Cutting cutting(file.mesh, [&](std::uint32_t surface) { return materials.images(surface).relief != nullptr; });
+  const auto whole = static_cast<double>(file.mesh.triangles.size());
+  const double most = whole + std::floor(std::max(0.0, memory.left()) / kCut_bytes);
+  Cutting cutting(file.mesh, most, [&](std::uint32_t surface) { return materials.images(surface).relief != nullptr; });
   double cells = 0;
   for (std::size_t t = 0; t < file.mesh.triangles.size(); ++t) {
     const CoordinateImages images = materials.images(file.mesh.surface[t]);
@@ -220,7 +229,14 @@ bool lay_by_coordinates(const Record& record, const MaterialTable& materials, Me
       return false;
     }
     cutting.cut(t, *corners, images);
+    if (cutting.full) break;
   }
+  const double more = (cutting.full ? most + 1 : static_cast<double>(cutting.mesh.triangles.size())) - whole;
+  if (more > 0 && !memory.take(more * (cutting.full ? kCut_bytes : kTriangle_bytes), record.place("file"),
+                               std::string(cutting.full ? "more than " : "") + number_text(more) +
+                                   " triangles along the texels of its images",
+                               "give coarser images (gdal_translate -outsize)", problems))
+    return false;
   file.mesh = std::move(cutting.mesh);
   file.in_image.clear();
   if (!file.mesh.triangles.empty()) return true;
@@ -231,10 +247,10 @@ bool lay_by_coordinates(const Record& record, const MaterialTable& materials, Me
 
 }  // namespace
 
-void lay_images(const Record& record, MaterialTable& materials, MeshFile& file, std::vector<std::string>& notices,
-                Problems& problems) {
+void lay_images(const Record& record, MaterialTable& materials, MeshFile& file, MemorySum& memory,
+                std::vector<std::string>& notices, Problems& problems) {
   // Pieces first: a family's mask belongs to its first member, whose surface its triangles have until then.
-  if (lay_by_coordinates(record, materials, file, problems))
+  if (lay_by_coordinates(record, materials, file, memory, problems))
     lay_by_metres(record.text("name"), materials, file.mesh, notices);
 }
 

@@ -189,7 +189,10 @@ class Values {
 
   /// Behind all elements there is nothing.
   void end_file() {
-    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
+    const auto is_end = [&](char c) {  // DOS' mark of a text's end among blanks
+      return std::isspace(static_cast<unsigned char>(c)) || (form_ == Form::text && c == '\x1a');
+    };
+    while (at_ < text_.size() && is_end(text_[at_])) ++at_;
     if (at_ < text_.size())
       throw Unsound{form_ == Form::text ? line_at() : 0, "", "the file goes on behind what its header counts",
                     std::to_string(text_.size() - at_) + " bytes", "correct the counts of its header"};

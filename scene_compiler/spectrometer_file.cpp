@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 
 namespace raycube::scene {
@@ -68,7 +69,7 @@ struct TextFile {
 
 TextFile lines_of(const std::string& file, const std::string& text) {
   TextFile out{file, {}};
-  std::istringstream stream(text);
+  std::istringstream stream(base::without_dos_end(text));
   for (std::string line; std::getline(stream, line);) out.lines.push_back(trimmed(line));
   return out;
 }

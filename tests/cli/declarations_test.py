@@ -7,6 +7,7 @@ import base64
 import pathlib
 import sys
 import tempfile
+import zipfile
 
 import numpy
 
@@ -269,6 +270,23 @@ def pyramid(up, unit):
 </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
 
 
+def three_mf(unit, metres):
+    """The same pyramid as the files of a 3MF's package."""
+    corners = [(-8, -6, 0), (8, -6, 0), (8, 6, 0), (-8, 6, 0), (3, -2, 5)]
+    vertices = "".join("<vertex x='{}' y='{}' z='{}'/>".format(*(value / metres for value in p)) for p in corners)
+    faces = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    triangles = "".join("<triangle v1='{}' v2='{}' v3='{}'/>".format(*face) for face in faces)
+    schema = "http://schemas.openxmlformats.org/package/2006/relationships"
+    return {
+        "_rels/.rels": f'<?xml version="1.0"?><Relationships xmlns="{schema}"><Relationship Target="/3D/3dmodel.model" '
+        'Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>',
+        "3D/3dmodel.model": f'<?xml version="1.0"?><model{unit} '
+        'xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1" type="model">'
+        f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
+        '<build><item objectid="1"/></build></model>',
+    }
+
+
 def mesh_scene(folder, name, more="", place=""):
     file = folder / "mesh.toml"
     file.write_text(
@@ -297,6 +315,12 @@ def meshes(folder):
     for up, unit in (("Z_UP", 1), ("Y_UP", 1), ("X_UP", 1), ("Z_UP", 0.0254)):
         (folder / "m.dae").write_text(pyramid(up, unit))
         same("m.dae")
+    for unit, metres in ((' unit="inch"', 0.0254), ("", 0.001)):
+        with zipfile.ZipFile(folder / "m.3mf", "w", zipfile.ZIP_DEFLATED) as package:
+            for name, text in three_mf(unit, metres).items():
+                package.writestr(name, text)
+        same("m.3mf")
+        check("0 notices" in run("scene", "check", mesh_scene(folder, "m.3mf")).stdout)
     same("m.dae", 'up = "y"\n', ["'up' is not used"])
     same("m.dae", "unit_m = 0.0254\n", ["'unit_m' is not used"])
     same("plain.obj", 'up = "z"\nunit_m = 1.0\n')
@@ -425,12 +449,13 @@ def cubes(folder):
     done = run("analyze", "statistics", cube, "--region", f"r={folder / 'mask.tif'}", "-o", folder / "out", status=2)
     check("(orientation 3)" in done.stderr, done.stderr)
     source = '<SimpleSource><SourceFilename relativeToVRT="1">mask.tif</SourceFilename></SimpleSource>'
-    for kind, says in (("Byte", "declares an orientation, which the virtual raster leaves out"), ("CFloat32", "complex")):
+    for kind, says in (("Byte", "declares an orientation, which the virtual raster"), ("CFloat32", "complex")):
         (folder / "mask.vrt").write_text(
             f'<VRTDataset rasterXSize="5" rasterYSize="4"><VRTRasterBand dataType="{kind}" band="1">{source}'
             "</VRTRasterBand></VRTDataset>"
         )
-        done = run("analyze", "statistics", cube, "--region", f"r={folder / 'mask.vrt'}", "-o", folder / "out", status=2)
+        region = f"r={folder / 'mask.vrt'}"
+        done = run("analyze", "statistics", cube, "--region", region, "-o", folder / "out", status=2)
         check(says in done.stderr, done.stderr)
 
 

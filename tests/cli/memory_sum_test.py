@@ -89,7 +89,7 @@ def png(path, width, height):
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b""))
 
 
-def limited(folder, text, says):
+def limited(folder, text, says, space_bytes=kSpace_bytes):
     (folder / "scene.toml").write_text(text)
     done = program.refused(
         "scene",
@@ -97,7 +97,7 @@ def limited(folder, text, says):
         folder / "scene.toml",
         status=2,
         says=says,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (kSpace_bytes, kSpace_bytes)),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (space_bytes, space_bytes)),
     )
     return done.stderr
 
@@ -140,6 +140,33 @@ with tempfile.TemporaryDirectory() as made:
     ):
         said = limited(folder, text, says)
         check(said.count("raycube: error: ") == 1, said)
+    # Of a class what is placed counts; texels of a mesh's images are counted as they cut it.
+    (folder / "class.asc").write_text(
+        "ncols 200\nnrows 200\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + ("1 " * 200 + "\n") * 200
+    )
+    classes = '[[terrain]]\nraster = "dem.asc"\nclass_map = "class.asc"\nmaterials = {{ 1 = "m" }}\n'
+    by_class = '[[scatter]]\nmesh = "b"\nclass = 1\ndensity_per_m2 = {}\n'
+    few = tree + classes.format() + 20 * by_class.format(0.0001)
+    (folder / "scene.toml").write_text(few)
+    program.run(
+        "scene",
+        "check",
+        folder / "scene.toml",
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (kSpace_bytes, kSpace_bytes)),
+    )
+    limited(folder, tree + classes.format() + by_class.format(100.0), ["placements", *memory])
+    png(folder / "texels.png", 400, 400)
+    (folder / "family.csv").write_text("wavelength_nm,a,b\n400,0.1,0.4\n900,0.1,0.4\n")
+    (folder / "sheet.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 9 0\nvt 0 9\nf 1/1 2/2 3/3\n"
+    )
+    cut = HEAD.replace(
+        'name = "m"\nreflectance = 0.3',
+        'name = "m"\nreflectance = 0.3\n[[material]]\nname = "t"\nfamily = "family.csv"\ntexture = { '
+        'image = "texels.png", choose = "nearest", band_nm = [540.0, 560.0] }',
+    )
+    cut += MESH.format("sheet.obj").replace('"m"', '"t"') + instance
+    limited(folder, cut, ["triangles along the texels of its images", *memory], 350 << 20)
     # What fits is taken: no sum is larger than what it stands for.
     for text in (tree + drawn.format(1.0), HEAD + checker.format(0.1), HEAD + terrain.format(2)):
         (folder / "scene.toml").write_text(text)

@@ -250,7 +250,8 @@ def maps(folder):
     check("no data" not in told(terrain(folder, "plain.asc", classes)).stderr)
     one = virtual("c.asc").replace(f'Size="{SIZE}"', 'Size="10000"')
     band = one[one.index("<VRTRasterBand") : one.index("</VRTDataset>")]
-    (folder / "c.vrt").write_text(one.replace(band, "".join(band.replace('band="1"', f'band="{b}"') for b in (1, 2, 3))))
+    bands = "".join(band.replace('band="1"', f'band="{b}"') for b in (1, 2, 3))
+    (folder / "c.vrt").write_text(one.replace(band, bands))
     told(terrain(folder, "plain.asc", mixture), "at most 89478485 pixels in each of 3 bands", status=2)
 
 

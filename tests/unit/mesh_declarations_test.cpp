@@ -1,6 +1,7 @@
 // Units, axes and counts that formats of meshes declare, by one pyramid in each: its box and its four triangles.
 #include <array>
 
+#include "scene_compiler/mesh_declared.h"
 #include "scene_compiler/mesh_file.h"
 #include "tests/unit/scene_files.h"
 
@@ -172,6 +173,25 @@ TEST_CASE("meshes: units that DXF, X3D, AMF and FBX declare are applied") {
   meshes.same("a.x3d", x3d("<unit category='angle' name='deg' conversionFactor='0.017'/><unit category='length' "
                            "name='cm' conversionFactor='0.01'/>",
                            100));
+  constexpr double kSurveyFoot = 1200.0 / 3937;
+  meshes.same("a.dxf", dxf(22, 12 / kSurveyFoot));
+  meshes.same("a.dxf", dxf(23, 1 / (3 * kSurveyFoot)));
+  meshes.same("a.dxf", dxf(6, 1) + "\x1a\r\n\x1a");  // as DOS ended texts
+  for (const int unknown : {25, -5 + 3000})
+    CHECK_SAYS(meshes.read("a.dxf", dxf(unknown, 1)).refused, "not known (found $INSUNITS = " + std::to_string(unknown));
+  // Comments hold no unit, and any white space of XML parts attributes.
+  const std::string none = "<!-- <unit category='length' conversionFactor='5'/> unit=\"inch\" -->";
+  for (const char* space : {" ", "\t", "\n", "\r\n "}) {
+    meshes.same("a.x3d", x3d(none + "<unit" + space + "conversionFactor = \"0.01\"" + space + "name='>'" + space +
+                                 "category='length'/>",
+                             100));
+    meshes.same("a.amf", amf(std::string(space) + "version='1.1'" + space + "unit = 'meter'", 1));
+  }
+  const std::string whole_amf = amf(" unit=\"meter\"", 1);
+  meshes.same("a.amf", std::string(whole_amf).insert(whole_amf.find("<amf"), "<!-- <amf unit=\"inch\"> -->"));
+  CHECK_SAYS(meshes.read("a.amf", amf(" unit='furlong'", 1)).refused, "not known (found unit = 'furlong'");
+  CHECK_SAYS(meshes.read("a.x3d", x3d("<unit category='length' conversionFactor='-1'/>", 1)).refused,
+             "not known (found conversionFactor = '-1'");
   meshes.same("a.amf", amf(" unit=\"meter\"", 1));
   meshes.same("a.amf", amf(" unit=\"feet\"", 1 / 0.3048));
   meshes.same("a.amf", amf("", 1000));
@@ -180,6 +200,14 @@ TEST_CASE("meshes: units that DXF, X3D, AMF and FBX declare are applied") {
   meshes.same("a.fbx", fbx(1, 2.54, 1 / 0.0254));
   CHECK_SAYS(meshes.read("a.fbx", fbx(-1, 100, 1)).refused, "points down (found UpAxisSign = -1)");
   CHECK_SAYS(meshes.read("a.dxf", dxf(4, 1000), {.up = {}, .unit_m = 1.0}).told, "the scene's 'unit_m' is not used");
+}
+
+TEST_CASE("meshes: a long XML is looked through once") {
+  // Two million beginnings of elements without an end, which each copied the rest: hours.
+  std::string open;
+  for (int i = 0; i < 2000000; ++i) open += "<unit ";
+  CHECK(!declared_unit_m("<X3D><!--" + open, ".x3d"));
+  CHECK(!declared_unit_m("<X3D>" + open, ".x3d"));
 }
 
 TEST_CASE("meshes: what a text counts and does not hold is refused or told") {
@@ -192,6 +220,13 @@ TEST_CASE("meshes: what a text counts and does not hold is refused or told") {
   for (const char* counts : {"5 3 0\n", "5 5 0\n", "4 4 0\n"})
     CHECK_SAYS(meshes.read("a.off", std::string("OFF\n") + counts + rows + "3 3 0 4\n").refused,
                "another number of rows than the file counts (found 9 for");
+  for (const char* kind : {"COFF", "STOFF", "4OFF", "NOFF"})
+    CHECK_SAYS(meshes.read("a.off", std::string(kind) + "\n5 5 0\n" + rows + "3 3 0 4\n").refused,
+               "another number of rows than the file counts (found 9 for 10");
+  for (const char* counts : {"-5 14 0", "5e12 4 0", "5.5 3.5 0"})
+    CHECK_SAYS(meshes.read("a.off", std::string("OFF\n") + counts + "\n" + rows + "3 3 0 4\n").refused,
+               "a count of vertices or faces that is none");
+  meshes.same("a.off", "OFF\n5 4 0\n" + rows + "3 3 0 4\n\x1a");
   CHECK(meshes.same("a.gltf", gltf(4)) == "");
   CHECK_SAYS(meshes.read("a.gltf", gltf(9)).told, "of 4 lost by Assimp");
   CHECK_SAYS(meshes.same("a.gltf", gltf(4, ",\"targets\":[{\"POSITION\":0}]")), "morph targets are left out");
