@@ -22,6 +22,15 @@ std::vector<Run> runs_of(const std::vector<SpectrumPoint>& points) {
   return out;
 }
 
+/// Whether two runs that follow one another both have points where both see: one row out of place is no detector.
+bool overlap(Run before, Run after) {
+  constexpr std::ptrdiff_t kFewest = 2;
+  const double low_um = after.front().wavelength_um, high_um = before.back().wavelength_um;
+  const auto within = [&](const SpectrumPoint& p) { return p.wavelength_um >= low_um && p.wavelength_um <= high_um; };
+  return std::count_if(before.begin(), before.end(), within) >= kFewest &&
+         std::count_if(after.begin(), after.end(), within) >= kFewest;
+}
+
 bool are_detectors(const std::vector<Run>& runs, std::size_t fewest) {
   if (runs.size() > kMostDetectors) return false;
   for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -29,6 +38,7 @@ bool are_detectors(const std::vector<Run>& runs, std::size_t fewest) {
     if (r > 0 && !(runs[r].front().wavelength_um > runs[r - 1].front().wavelength_um &&
                    runs[r].back().wavelength_um > runs[r - 1].back().wavelength_um))
       return false;
+    if (r > 0 && !overlap(runs[r - 1], runs[r])) return false;
   }
   return true;
 }

@@ -6,6 +6,7 @@
 
 #include "host/products/envi_reader.h"
 #include "host/products/radiance_unit.h"
+#include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 
@@ -69,7 +70,7 @@ double of_sample(const std::vector<double>& list, std::size_t sample, double oth
 EnviLibrary library_of(const products::EnviReader& reader, const std::string& file, Problems& problems) {
   const EnviHeader& h = reader.header();
   const auto samples = static_cast<std::size_t>(h.samples), lines = static_cast<std::size_t>(h.lines);
-  EnviLibrary out{h.wavelength_um(), h.spectra_names, {}, scale_of(h)};
+  EnviLibrary out{h.wavelength_um(), h.spectra_names, {}, scale_of(h), {}};
   std::size_t ignored = 0;
   for (std::size_t line = 0; line < lines; ++line) {
     std::vector<double>& spectrum = out.spectra.emplace_back(reader.read_lines(static_cast<std::int64_t>(line), 1));
@@ -84,10 +85,10 @@ EnviLibrary library_of(const products::EnviReader& reader, const std::string& fi
   }
   const auto bad = std::count(h.bad_bands.begin(), h.bad_bands.end(), 0);
   const base::Where where{file, 0, 0, ""};
-  if (bad > 0) problems.tell(where, std::to_string(bad) + " bad bands (bbl) are left out");
+  if (bad > 0) out.left_out = "'bbl' marks " + base::counted(static_cast<std::size_t>(bad), "band");
   if (ignored > 0)
-    problems.tell(where, std::to_string(ignored) + " samples of the ignore value " + number_text(*h.data_ignore_value) +
-                             " are left out");
+    out.left_out += (bad > 0 ? ", " : "") + base::counted(ignored, "number") + " of the ignore value " +
+                    number_text(*h.data_ignore_value);
   if (!h.data_gain.empty() || !h.data_offset.empty())
     problems.tell(where, "values are the file's numbers by its 'data gain values' and 'data offset values'");
   if (samples > 1 && std::is_sorted(out.wavelength_um.rbegin(), out.wavelength_um.rend())) {

@@ -14,6 +14,7 @@ struct EnviLibrary {
   std::vector<std::string> names;
   std::vector<std::vector<double>> spectra;  ///< gains and offsets applied; NaN: a bad band, or the ignore value
   std::optional<double> scale;  ///< on them: by "reflectance scale factor", else 0.01 where the header says percent
+  std::string left_out;         ///< why samples are, by the header: "'bbl' marks 5 bands"
 };
 
 /// Reads the library at `file` (the data file), whose header is file with .hdr added or put in place of the extension,

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 #include "host/base/text.h"
@@ -17,15 +19,23 @@ namespace {
 using base::Problems;
 using base::Where;
 
-/// Numbers that a line begins with, between blanks, tabs or semicolons, or commas where there are none of these; a
-/// comma beside them is a decimal one, as half of Europe writes. None where the line begins otherwise.
-std::vector<double> numbers_of(std::string line) {
-  const bool commas_part = line.find_first_of("\t; ") == std::string::npos;
-  for (char& c : line)
-    if (c == '\t' || c == ';' || (c == ',' && commas_part))
-      c = ' ';
-    else if (c == ',')
-      c = '.';
+/// Whether a comma of a line of numbers is a decimal one, as half of Europe writes: between two digits, beside numbers
+/// that blanks, tabs or semicolons part.
+bool is_decimal_comma(const std::string& line, std::size_t at) {
+  const auto is_digit = [&](std::size_t i) { return std::isdigit(static_cast<unsigned char>(line[i])) != 0; };
+  return line[at] == ',' && at > 0 && at + 1 < line.size() && is_digit(at - 1) && is_digit(at + 1) &&
+         line.find_first_of("\t; ") != std::string::npos;
+}
+
+/// Numbers that a line begins with, between blanks, tabs, semicolons, or commas that are none of decimals. None where
+/// the line begins otherwise.
+std::vector<double> numbers_of(const std::string& text) {
+  std::string line = text;
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if (is_decimal_comma(text, i))
+      line[i] = '.';
+    else if (line[i] == '\t' || line[i] == ';' || line[i] == ',')
+      line[i] = ' ';
   std::vector<double> out;
   std::istringstream cells(line);
   for (std::string word; cells >> word;) {
@@ -36,9 +46,10 @@ std::vector<double> numbers_of(std::string line) {
   return out;
 }
 
-/// Whether a comma in a line of numbers is a decimal one, as numbers_of() takes it.
 bool has_decimal_comma(const std::string& line) {
-  return line.find(',') != std::string::npos && line.find_first_of("\t; ") != std::string::npos;
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if (is_decimal_comma(line, i)) return true;
+  return false;
 }
 
 struct TextFile {
@@ -74,13 +85,14 @@ TextFile lines_of(const std::string& file, const std::string& text) {
   return out;
 }
 
-/// Columns of numbers from line `first` on, `of` them in a row; unit: of the first, in um.
+/// Columns of numbers from line `first` on, which is behind the header, `of` them in a row; unit: of the first, in um.
 SpectrometerFile columns(const TextFile& text, std::size_t first, std::size_t column, double unit, std::size_t of) {
   SpectrometerFile out;
   for (std::size_t i = first; i < text.lines.size(); ++i) {
     const std::vector<double> numbers = numbers_of(text.lines[i]);
     if (numbers.size() != of) {
-      if (!text.lines[i].empty() && !out.value.empty()) out.unread.push_back(static_cast<int>(i) + 1);
+      if (!text.lines[i].empty() && (!out.value.empty() || !numbers.empty()))
+        out.unread.push_back(static_cast<int>(i) + 1);
       continue;
     }
     out.decimal_commas += has_decimal_comma(text.lines[i]);
@@ -164,13 +176,39 @@ std::optional<SpectrometerFile> sig(const TextFile& text, Problems& problems) {
   return std::nullopt;
 }
 
-/// Of wavelengths: nm, as ASD writes them, unless their column says micrometres.
-double asd_unit_um(const TextFile& text) {
-  for (const std::string& line : text.lines) {
-    const std::string name = lower_case(line.substr(0, line.find_first_of(";\t")));
-    if (!name.starts_with("wavelength")) continue;
-    for (const char* um : {"micromet", "micron", "um", "\u00b5m", "\u03bcm", "\xb5m"})
-      if (name.find(um) != std::string::npos) return 1;
+/// The line of an ASD text that names its columns, the last one before its numbers; nullopt: none does.
+std::optional<std::size_t> asd_names_line(const TextFile& text) {
+  std::optional<std::size_t> out;
+  for (std::size_t i = 0; i < text.lines.size() && numbers_of(text.lines[i]).size() < 2; ++i)
+    if (lower_case(text.lines[i]).starts_with("wavelength")) out = i;
+  return out;
+}
+
+/// Of wavelengths, by the name of their column: nm, as ASD writes them, unless it has another unit as a word, micrometres
+/// or one that is not read: 0, and `unknown` says it. A name ends at a tab, a semicolon or a comma.
+double asd_unit_um(const std::string& names, std::string& unknown) {
+  static const std::set<std::string> kNm = {"nm", "nanometer", "nanometers", "nanometre", "nanometres"},
+                                     kUm = {"um",          "\u00b5m",    "\u03bcm",     "\xb5m",  "micrometer",
+                                            "micrometers", "micrometre", "micrometres", "micron", "microns"},
+                                     kNone = {"in", "of", "air", "vacuum", "the", "units", "unit", "s"};
+  constexpr std::size_t kWord = 10;  // "wavelength"
+  std::string name = lower_case(names);
+  if (!name.starts_with("wavelength")) return 1e-3;
+  const std::size_t end = name.find_first_of(";\t,");
+  name = name.substr(kWord, end == std::string::npos ? end : end - kWord);
+  // Blanks alone may part columns: then only a unit, or what stands in brackets, is of the first one's name.
+  const std::size_t open = name.find_first_of("([");
+  const bool whole = end != std::string::npos || open != std::string::npos;
+  if (open != std::string::npos) name = name.substr(open + 1, name.find_first_of(")]", open) - open - 1);
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '_' || c == ':' || c == '/' || c == '"'; }, ' ');
+  std::istringstream words(name);
+  for (std::string word; words >> word;) {
+    if (kUm.contains(word)) return 1;
+    if (kNm.contains(word)) return 1e-3;
+    if (!whole || kNone.contains(word)) continue;
+    unknown = trimmed(name);
+    return 0;
   }
   return 1e-3;
 }
@@ -182,7 +220,17 @@ std::optional<SpectrometerFile> asd_text(const TextFile& text, Problems& problem
                    "export reflectance, or write a CSV");
       return std::nullopt;
     }
-  SpectrometerFile out = columns(text, 1, 1, asd_unit_um(text), 2);
+  const auto names = asd_names_line(text);
+  std::string unknown;
+  const double unit_um = names ? asd_unit_um(text.lines[*names], unknown) : 1e-3;
+  if (!unknown.empty()) {
+    problems.add({text.file, static_cast<int>(*names) + 1, 0, ""}, "unknown unit of wavelengths", "'" + unknown + "'",
+                 "give nanometres or micrometres");
+    return std::nullopt;
+  }
+  std::size_t first = names.value_or(0) + 1;
+  while (!names && first < text.lines.size() && numbers_of(text.lines[first]).size() < 2) ++first;
+  SpectrometerFile out = columns(text, first, 1, unit_um, 2);
   for (std::size_t i = 1; i < text.lines.size(); ++i)
     if (numbers_of(text.lines[i]).size() > 2) {
       problems.add({text.file, static_cast<int>(i) + 1, 0, ""}, "an ASD text of several samples",

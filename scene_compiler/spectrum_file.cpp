@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <span>
 
 #include "scene_compiler/air_wavelength.h"
@@ -44,6 +45,7 @@ Material material_of(const std::vector<SpectrumPoint>& points, bool has_transmit
   return out;
 }
 
+constexpr const char* kDiffer = ", where they differ by ";
 constexpr const char* kLeftOut = " samples without data left out";  ///< in a material's source, behind their number
 
 bool is_data(double value) { return std::isfinite(value) && std::abs(value) < kNoData; }
@@ -62,6 +64,40 @@ std::vector<SpectrumPoint> without_overlaps(std::vector<SpectrumPoint> points, s
   auto joined = joined_detectors(points, fewest, file, problems);
   return joined ? std::move(*joined) : std::move(points);
 }
+
+/// What is told of spectra of one family: each sentence once, the first of those that differ in a figure.
+class FamilyNotices {
+ public:
+  /// A spectrum as `make` has it, which reports to what it is given; nullopt after reporting.
+  template <class Make>
+  std::optional<Material> member(Make make, Problems& problems) {
+    Problems own;
+    auto out = make(own);
+    if (!out || !own.empty()) {
+      make(problems);
+      return std::nullopt;
+    }
+    for (const std::string& notice : own.notices()) {
+      const std::string kind = notice.substr(0, notice.find(kDiffer));
+      const auto [entry, fresh] = count_.try_emplace(kind, 0);
+      if (entry->second++ == 0) first_.push_back({kind, notice});
+    }
+    return out;
+  }
+  void tell(Problems& problems) const {
+    constexpr std::size_t kMost = 20;
+    for (std::size_t i = 0; i < std::min(kMost, first_.size()); ++i) {
+      const std::size_t spectra = count_.at(first_[i].first);
+      problems.tell({}, first_[i].second + (spectra > 1 ? "; so for " + std::to_string(spectra) + " spectra" : ""));
+    }
+    if (first_.size() > kMost)
+      problems.tell({}, std::to_string(first_.size() - kMost) + " more notices of its spectra");
+  }
+
+ private:
+  std::map<std::string, std::size_t> count_;
+  std::vector<std::pair<std::string, std::string>> first_;  ///< kind and notice, in the order they came
+};
 
 /// The material's `scale` before what the file declares, which is told where the two are not the same.
 double scale_of(const SpectrumRequest& request, std::optional<double> declared, Problems& problems) {
@@ -159,6 +195,7 @@ std::optional<Material> library_spectrum(const EnviLibrary& library, std::size_t
   points = without_overlaps(with_data(std::move(points), note), kFewestOfDetector, request.file, problems);
   if (!check_spectrum(points, request.file, problems)) return std::nullopt;
   Material out = material_of(points, false, is_air(request.medium, "", request.file, problems));
+  if (!note.empty() && !library.left_out.empty()) note += " (" + library.left_out + ")";
   out.source =
       std::filesystem::path(request.file).filename().string() + ", spectrum '" + library.names[line] + "'" + note;
   return out;
@@ -240,15 +277,18 @@ std::optional<Material> spectrometer_spectrum(const SpectrometerFile& file, cons
 
 /// Tells that spectra lack samples, once for a file.
 void tell_left_out(const std::string& file, std::span<const Material> spectra, Problems& problems) {
-  const auto lacking = std::count_if(spectra.begin(), spectra.end(), [](const Material& spectrum) {
-    return spectrum.source.find(kLeftOut) != std::string::npos;
-  });
+  const auto lacks = [](const Material& spectrum) { return spectrum.source.find(kLeftOut) != std::string::npos; };
+  const auto lacking = std::count_if(spectra.begin(), spectra.end(), lacks);
+  const auto why = [&] {  // behind the words in the first one's source
+    const std::string& source = std::find_if(spectra.begin(), spectra.end(), lacks)->source;
+    return source.substr(source.find(kLeftOut) + std::string(kLeftOut).size());
+  };
   if (lacking > 0 && spectra.size() == 1)
     problems.tell({file, 0, 0, ""},
                   spectra[0].source.substr(spectra[0].source.rfind(", ", spectra[0].source.find(kLeftOut)) + 2));
   else if (lacking > 0)
     problems.tell({file, 0, 0, ""}, std::to_string(lacking) + " of " + std::to_string(spectra.size()) +
-                                        " spectra have samples without data, which are left out");
+                                        " spectra have samples without data, which are left out" + why());
 }
 
 /// Whether the file is a library; a header in its place is reported.
@@ -283,6 +323,7 @@ std::vector<Material> csv_family(const SpectrumRequest& request, Problems& probl
   const auto csv = read_csv(request.file, request.asked_by, problems);
   const auto wavelength = csv ? wavelength_column(*csv, problems) : std::nullopt;
   if (!wavelength) return out;
+  FamilyNotices notices;
   for (std::size_t column = 0; column < csv->columns.size(); ++column) {
     if (column == wavelength->first) continue;
     if (const std::string& name = csv->columns[column];
@@ -291,27 +332,31 @@ std::vector<Material> csv_family(const SpectrumRequest& request, Problems& probl
                    "remove it: each column beside the wavelength is a reflectance");
       return {};
     }
-    const std::size_t before = problems.count();
-    auto member = column_spectrum(*csv, *wavelength, column, std::nullopt, request, problems);
-    if (!member || problems.count() > before) return {};
+    auto member = notices.member(
+        [&](Problems& own) { return column_spectrum(*csv, *wavelength, column, std::nullopt, request, own); },
+        problems);
+    if (!member) return {};
     const std::size_t note = member->source.rfind(", ");  // of samples left out
     const bool noted = note != std::string::npos && member->source.ends_with(kLeftOut);
     member->source = std::filesystem::path(csv->file).filename().string() + ", column '" + csv->columns[column] + "'" +
                      (noted ? member->source.substr(note) : "");
     out.push_back(std::move(*member));
   }
+  notices.tell(problems);
   return out;
 }
 
 std::vector<Material> library_family(const SpectrumRequest& request, Problems& problems) {
   std::vector<Material> out;
   const auto library = read_envi_library(request.file, request.asked_by, problems);
+  FamilyNotices notices;
   for (std::size_t line = 0; library && line < library->names.size(); ++line) {
-    const std::size_t before = problems.count();
-    auto member = library_spectrum(*library, line, request, problems);
-    if (!member || problems.count() > before) return {};
+    auto member =
+        notices.member([&](Problems& own) { return library_spectrum(*library, line, request, own); }, problems);
+    if (!member) return {};
     out.push_back(std::move(*member));
   }
+  notices.tell(problems);
   return out;
 }
 

@@ -78,7 +78,7 @@ std::uint64_t netcdf_bytes(const std::string& path) {
     bool by_record;
   };
   std::vector<Variable> variables;
-  std::uint64_t of_record = 0;
+  std::uint64_t of_record = 0, by_records = 0;
   header.number(4);
   for (std::uint64_t left = header.count(); left > 0 && header.sound(); --left) {
     header.pass_name();
@@ -86,21 +86,30 @@ std::uint64_t netcdf_bytes(const std::string& path) {
     bool by_record = false;
     for (std::uint64_t dimensions = header.count(); dimensions > 0 && header.sound(); --dimensions) {
       const std::uint64_t which = header.number(header.wide ? 8 : 4);
-      if (which >= length.size() || numbers > kMost) return 0;
+      if (which >= length.size()) return 0;
       by_record = by_record || length[which] == 0;
-      numbers *= std::max<std::uint64_t>(length[which], 1);
+      if (__builtin_mul_overflow(numbers, std::max<std::uint64_t>(length[which], 1), &numbers)) return 0;
     }
     pass_attributes(header);
-    const std::uint64_t bytes = numbers * bytes_of(header.number(4));
+    std::uint64_t bytes = 0;
+    if (__builtin_mul_overflow(numbers, bytes_of(header.number(4)), &bytes) || bytes > kMost) return 0;
     header.count();  // vsize, which large variables do not fit
     variables.push_back({header.number(version == 1 ? 4 : 8), bytes, by_record});
-    if (by_record) of_record += (bytes + 3) / 4 * 4;
+    if (by_record) ++by_records, of_record += (bytes + 3) / 4 * 4;
+    if (of_record > kMost) return 0;
   }
   if (!header.sound() || records >= 0xffffffff) return 0;
   std::uint64_t out = 0;
-  for (const Variable& variable : variables)
-    if (!variable.by_record || records > 0)
-      out = std::max(out, variable.begin + variable.bytes + (variable.by_record ? (records - 1) * of_record : 0));
+  for (const Variable& variable : variables) {
+    if (variable.by_record && records == 0) continue;
+    // Records of a single variable follow each other without padding (NetCDF Classic Format Specification, note on
+    // padding).
+    const std::uint64_t each = by_records == 1 ? variable.bytes : of_record;
+    std::uint64_t before = 0, end = 0;
+    if (variable.by_record && __builtin_mul_overflow(records - 1, each, &before)) return 0;
+    if (__builtin_add_overflow(variable.begin + variable.bytes, before, &end)) return 0;
+    out = std::max(out, end);
+  }
   return out < kMost ? out : 0;
 }
 

@@ -101,7 +101,8 @@ TEST_CASE("spectral libraries: the same grey by every declaration of its header"
     const Read read = library.read(bytes<float>({0.2, 0.75, 0.2, 0.2}), header(out_of_use));
     REQUIRE(read.material);
     CHECK(read.material->reflectance.value.size() == 3);
-    CHECK_SAYS(read.told, "1 samples without data left out");
+    CHECK_SAYS(read.told, "1 samples without data left out (");
+    CHECK(std::count(read.told.begin(), read.told.end(), '\n') == 1);
   }
   const Read short_list = library.read(bytes<float>({0.2, 0.2, 0.2, 0.2}), header("bbl = {1, 0, 1}\n"));
   CHECK_SAYS(short_list.told, "\"bbl\" has 3 values, not 4; it is ignored");
@@ -160,6 +161,18 @@ TEST_CASE("detectors that overlap are joined in the middle of what both see, and
     }
     CHECK(steps == 2);
   }
+  // Of two rows out of place nobody knows what they are, wherever they lie.
+  std::string swapped = "wavelength_nm,reflectance\n", of_text = "Wavelength\tleaf.asd\n";
+  for (int i = 0; i < 40; ++i) {
+    const int row = i == 22 ? 23 : i == 23 ? 22 : i;
+    swapped += std::to_string(400 + 10 * row) + ",0." + std::to_string(100 + row) + "\n";
+    of_text += std::to_string(400 + 10 * row) + "\t0." + std::to_string(100 + row) + "\n";
+  }
+  CHECK_SAYS(library.text("x.csv", swapped).refused, "wavelengths are not ascending (found 0.62 um after 0.63 um)");
+  const Read sorted = library.text("x.txt", of_text);
+  REQUIRE(sorted.material);
+  CHECK_SAYS(sorted.told, "wavelengths go up and down; sorted");
+  CHECK(sorted.material->reflectance.value.size() == 40);
   // Of two rows out of place nobody knows what they are.
   CHECK_SAYS(library.text("x.csv", "wavelength_nm,reflectance\n400,0.1\n600,0.1\n500,0.1\n700,0.1\n").refused,
              "wavelengths are not ascending");
@@ -172,11 +185,47 @@ TEST_CASE("detectors that overlap are joined in the middle of what both see, and
   CHECK_SAYS(library.text("y.txt", eco + "\n400 10\n500 wet\n600 10\n").refused, "y.txt:6: not a row of numbers");
   CHECK_SAYS(library.text("x.txt", "Wavelength\tleaf.asd\n350\t0,25\n351\t0,35\n").told,
              "2 rows with decimal commas read as such");
-  // Of a text its column's unit.
-  for (const char* unit : {"Wavelength (um)", "Wavelength [\u00b5m]", "Wavelength (microns)"})
-    CHECK(library.text("u.txt", std::string(unit) + "\tleaf\n0.4\t0.2\n0.5\t0.2\n")
-              .material.value()
-              .reflectance.wavelength_um.front() == 0.4);
+  for (const auto& [lines, says] : {std::pair{"400\t***\n500\t0.2\n600\t0.2\n", "x.txt:2: not a row of numbers"},
+                                    {"400\t0.2\n500\t\n600\t0.2\n700\t0.2\n", "x.txt:3: not a row of numbers"}})
+    CHECK_SAYS(library.text("x.txt", std::string("Wavelength\tleaf.asd\n") + lines).refused, says);
+  CHECK_SAYS(library.text("y.txt", eco + "\n400\t***\n500 10\n600 10\n").refused, "y.txt:5: not a row of numbers");
+  const Read blanks = library.text("x.txt", "Wavelength\tleaf.asd\n400, 0.25\n500 ,0.25\n600 ; 0,25\n700\t0.25\n\x1a");
+  REQUIRE_MESSAGE(blanks.material, blanks.refused);
+  CHECK(blanks.material->reflectance.value == std::vector<double>(4, 0.25));
+  CHECK_SAYS(blanks.told, "1 rows with decimal commas read as such");
+}
+
+TEST_CASE("an ASD text has the unit that its column's name has as a word") {
+  Library library;
+  const std::string head = "ASD spectrum file\nnumber 1\n";
+  const auto first_um = [&](const std::string& names, const std::string& first, const std::string& second) {
+    const Read read = library.text("u.txt", head + names + "\n" + first + "\t0.2\n" + second + "\t0.2\n");
+    REQUIRE_MESSAGE(read.material, read.refused);
+    return read.material->reflectance.wavelength_um.front();
+  };
+  for (const char* um : {"Wavelength (um)\tleaf", "Wavelength [\u00b5m]\tleaf", "Wavelength (microns)\tleaf",
+                         "Wavelength um;leaf", "Wavelength (um) leaf", "Wavelength (\xb5m)\tleaf", "Wavelength um"})
+    CHECK_MESSAGE(first_um(um, "0.4", "0.5") == 0.4, um);
+  for (const char* nm : {"Wavelength,spectrum00001.asd", "Wavelength\tmuseum.asd", "Wavelength (nm),column",
+                         "Wavelength;aluminium", "Wavelength spectrum00001.asd", "Wavelength"})
+    CHECK_MESSAGE(first_um(nm, "400", "500") == doctest::Approx(0.4), nm);
+  for (const char* other : {"Wavelength (Angstrom)\tleaf", "Wavelength (cm-1),leaf", "Wavelength mm;leaf"})
+    CHECK_SAYS(library.text("u.txt", head + other + "\n400\t0.2\n500\t0.2\n").refused,
+               "u.txt:3: unknown unit of wavelengths (found '");
+}
+
+TEST_CASE("what is told of spectra of a family is told once") {
+  const Folder folder;
+  std::string names = "wavelength_nm", low = "400", high = "900";
+  for (int i = 0; i < 40; ++i) names += ",leaf" + std::to_string(i) + " (%)", low += ",10", high += ",20";
+  folder.write("family.csv", names + "\n" + low + "\n" + high + "\n");
+  SpectrumRequest request;
+  request.file = folder.at("family.csv"), request.scale = 1e-3;
+  base::Problems problems;
+  CHECK(read_family(request, problems).size() == 40);
+  REQUIRE(problems.notices().size() == 1);
+  CHECK_SAYS(problems.notices()[0], "'scale' is taken");
+  CHECK_SAYS(problems.notices()[0], "; so for 40 spectra");
 }
 
 TEST_CASE("cubes: widths in wavenumbers and frequencies; a unit that is none is told") {
