@@ -149,10 +149,11 @@ struct CompiledScene {
   std::vector<shared::Instance> instances;  ///< placed trees, by placement, ascending
   std::vector<shared::BvhNode> nodes;       ///< top tree first: node 0 is its root (count 0 in an empty scene)
   std::vector<shared::TriBlock> blocks;
-  Skyline skyline;                  ///< follows from what is above
-  std::uint32_t top_depth = 0;      ///< levels of the top tree
-  std::array<float, 3> lo{}, hi{};  ///< world bounds, m; lo > hi in an empty scene
-  std::string content_hash;         ///< SHA-256 (hex) of everything above that changes a result
+  Skyline skyline;                    ///< follows from what is above
+  std::uint32_t top_depth = 0;        ///< levels of the top tree
+  std::array<float, 3> lo{}, hi{};    ///< world bounds, m; lo > hi in an empty scene
+  std::string content_hash;           ///< SHA-256 (hex) of everything above that changes a result
+  std::vector<std::uint32_t> buried;  ///< placements under the terrain, ascending; of a loaded simulation alone
 
   /// Deepest stack a depth-first traversal of 8-wide nodes can need: 7 * (top_depth + deepest tree) + 8.
   std::uint32_t stack_bound() const {

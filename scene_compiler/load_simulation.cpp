@@ -330,7 +330,8 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.budgets = read_budgets(root, problems);
   const std::vector<PlacedBox> boxes = placed_boxes(parts);
   check_resolution(parts, boxes, out.file, parts.notices, problems);
-  if (problems.empty()) find_buried(parts, boxes, out.file, parts.notices);
+  std::vector<std::uint32_t> buried;
+  if (problems.empty()) buried = find_buried(parts, boxes, out.file, parts.notices);
   out.lidars = read_lidars(root, parts, box_around(boxes), root.given("time"), parts.notices, problems);
   if (options.need_instruments && root.records("instrument").empty() && root.records("lidar").empty())
     problems.add(root.where, "no [[instrument]] or [[lidar]] looks at the scene", "", "add one");
@@ -344,6 +345,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.notices = std::move(parts.notices);
   out.resolved_json = document_json(root);
   if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials), options.trees);
+  out.scene.buried = std::move(buried);
   return out;
 }
 

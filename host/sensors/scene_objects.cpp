@@ -153,6 +153,7 @@ class Collector {
     for (const auto& placement : placements) ++times[placement.mesh];
     for (const scene::Placement& placement : placements) {
       base::throw_if_interrupted();
+      if (std::binary_search(scene_.buried.begin(), scene_.buried.end(), placement.number)) continue;  // nobody sees it
       const std::uint32_t mesh = placement.mesh;
       const bool again = times[mesh] > 1;
       if (add_whole(placement, again ? kOfMesh | mesh : first_kind(mesh))) continue;

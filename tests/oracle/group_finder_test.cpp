@@ -14,6 +14,7 @@
 #include "host/sensors/ray_groups.h"
 #include "host/sensors/small_objects.h"
 #include "tests/support/render_kit.h"
+#include "tests/unit/scene_files.h"
 
 namespace {
 
@@ -210,4 +211,24 @@ TEST_CASE("S43 small objects: the survey of a long flight is stopped by a signal
     CHECK_THROWS_AS(sensors::survey_small_objects(simulation.scene, broom, true), base::Error);
     base::clear_interrupt();
   }
+}
+
+TEST_CASE("objects under the terrain are not looked for, since nothing above sees them") {
+  const scene::testing::Folder folder;
+  std::string posts = "ncols 3\nnrows 3\nxllcorner -15\nyllcorner -15\ncellsize 10\n";
+  for (int i = 0; i < 9; ++i) posts += "5 ";
+  folder.write("dem.asc", posts + "\n");
+  folder.write("t.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+  std::string text = std::string(scene::testing::kHead) + scene::testing::kGrey +
+                     "[[terrain]]\nraster = \"dem.asc\"\nmaterial = \"grey\"\n"
+                     "[[mesh]]\nname = \"t\"\nfile = \"t.obj\"\nmaterial = \"grey\"\n";
+  for (const char* place : {"[1, 1, 2]", "[2, 2, 7]", "[3, 3, 4.9]", "[4, 4, 5]"})
+    text += std::string("[[instance]]\nmesh = \"t\"\nposition_m = ") + place + "\non_terrain = false\n";
+  const scene::Simulation simulation = scene::testing::load(folder, text, {.need_instruments = false});
+  CHECK(simulation.scene.buried.size() == 2);
+  std::vector<double> x_m;
+  for (const sensors::SceneObject& object : sensors::small_scene_objects(simulation.scene, 1.0).objects)
+    x_m.push_back(std::round(object.lo_m.x));
+  std::sort(x_m.begin(), x_m.end());
+  CHECK(x_m == std::vector<double>{2, 4});
 }
