@@ -17,8 +17,8 @@ std::optional<double> declared_unit_m(const std::string& text, const std::string
 std::optional<double> package_unit_m(const std::string& file);
 
 /// Reports a text that is not all of what it declares: a DXF without its end, an OFF of another number of rows than it
-/// counts, a glTF with required extensions that would change its surfaces, a unit that is not known. Told: what a format
-/// may hold that is left out.
+/// counts, a glTF with required extensions that would change its surfaces, a unit that is not known. Told: what a
+/// format may hold that is left out.
 void check_mesh_text(const std::string& text, const std::string& ending, const std::string& file,
                      base::Problems& problems);
 

@@ -184,8 +184,8 @@ std::optional<std::size_t> asd_names_line(const TextFile& text) {
   return out;
 }
 
-/// Of wavelengths, by the name of their column: nm, as ASD writes them, unless it has another unit as a word, micrometres
-/// or one that is not read: 0, and `unknown` says it. A name ends at a tab, a semicolon or a comma.
+/// Of wavelengths, by the name of their column: nm, as ASD writes them, unless it has another unit as a word:
+/// micrometres, or one that is not read (0, and `unknown` says it). A name ends at a tab, a semicolon or a comma.
 double asd_unit_um(const std::string& names, std::string& unknown) {
   static const std::set<std::string> kNm = {"nm", "nanometer", "nanometers", "nanometre", "nanometres"},
                                      kUm = {"um",          "\u00b5m",    "\u03bcm",     "\xb5m",  "micrometer",
