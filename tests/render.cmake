@@ -38,8 +38,8 @@ raycube_test(render_psf SOURCES oracle/render_psf_test.cpp LIBS raycube_render_s
 raycube_test(render_adaptive SOURCES oracle/render_adaptive_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(replicates SOURCES unit/replicates_test.cpp LIBS raycube::render LABELS fast)
 raycube_test(render_small_objects SOURCES oracle/render_small_objects_test.cpp LIBS raycube_render_support LABELS fast)
-raycube_test(group_finder SOURCES oracle/group_finder_test.cpp LIBS raycube_render_support raycube::scene_compiler LABELS
-  fast)
+raycube_test(group_finder SOURCES oracle/group_finder_test.cpp LIBS raycube_render_support
+  raycube::scene_compiler LABELS fast)
 raycube_test(render_edge_cases SOURCES oracle/render_edge_cases_test.cpp LIBS raycube_render_support
   raycube::scene_compiler LABELS fast)
 raycube_test(tuner SOURCES unit/tuner_test.cpp LIBS raycube::render LABELS fast)
