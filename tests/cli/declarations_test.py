@@ -315,7 +315,7 @@ def meshes(folder):
     for up, unit in (("Z_UP", 1), ("Y_UP", 1), ("X_UP", 1), ("Z_UP", 0.0254)):
         (folder / "m.dae").write_text(pyramid(up, unit))
         same("m.dae")
-    for unit, metres in ((' unit="inch"', 0.0254), ("", 0.001)):
+    for unit, metres in ((' unit="inch"', 0.0254), (' unit="centimeter"', 0.01), ("", 0.001)):
         with zipfile.ZipFile(folder / "m.3mf", "w", zipfile.ZIP_DEFLATED) as package:
             for name, text in three_mf(unit, metres).items():
                 package.writestr(name, text)

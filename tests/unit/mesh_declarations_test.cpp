@@ -192,14 +192,23 @@ TEST_CASE("meshes: units that DXF, X3D, AMF and FBX declare are applied") {
   CHECK_SAYS(meshes.read("a.amf", amf(" unit='furlong'", 1)).refused, "not known (found unit = 'furlong'");
   CHECK_SAYS(meshes.read("a.x3d", x3d("<unit category='length' conversionFactor='-1'/>", 1)).refused,
              "not known (found conversionFactor = '-1'");
-  meshes.same("a.amf", amf(" unit=\"meter\"", 1));
-  meshes.same("a.amf", amf(" unit=\"feet\"", 1 / 0.3048));
+  // ISO/ASTM 52915, 7.1.
+  for (const auto& [unit, metres] :
+       {std::pair{"millimeter", 1e-3}, {"inch", 0.0254}, {"feet", 0.3048}, {"meter", 1.0}, {"micron", 1e-6}})
+    meshes.same("a.amf", amf(std::string(" unit=\"") + unit + "\"", 1 / metres));
   meshes.same("a.amf", amf("", 1000));
   meshes.same("a.fbx", fbx(1, 100, 1));
   meshes.same("a.fbx", fbx(1, 1, 100));
   meshes.same("a.fbx", fbx(1, 2.54, 1 / 0.0254));
   CHECK_SAYS(meshes.read("a.fbx", fbx(-1, 100, 1)).refused, "points down (found UpAxisSign = -1)");
   CHECK_SAYS(meshes.read("a.dxf", dxf(4, 1000), {.up = {}, .unit_m = 1.0}).told, "the scene's 'unit_m' is not used");
+}
+
+TEST_CASE("meshes: faces of a glTF are counted by its kind of primitive") {
+  // glTF 2.0, 3.7.2.1: 12 corners are 4 triangles, or a strip or fan of 10; points and lines have no face.
+  const std::array<std::size_t, 7> faces = {0, 0, 0, 0, 4, 10, 10};
+  for (std::size_t mode = 0; mode < faces.size(); ++mode)
+    CHECK(declared_faces(gltf(4, ",\"mode\":" + std::to_string(mode)), ".gltf") == faces[mode]);
 }
 
 TEST_CASE("meshes: a long XML is looked through once") {
