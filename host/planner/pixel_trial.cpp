@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,6 +34,9 @@ constexpr int kFewestDraws = 64;
 constexpr int kMorePaths = 4;
 constexpr int kPathsPerTwo[] = {1, 2, 4, kMostPathsPerTwo};
 constexpr double kWorthSharing = 0.9;
+/// The law of paths' errors does not know how evenly so many fall: more of them that it finds at most so much slower for
+/// an error are rendered too.
+constexpr double kNearlyAsFast = 1.25;
 constexpr int kReferences = 4;  ///< renders of each reference that a draw is held against, where that is quick
 
 }  // namespace
@@ -130,19 +134,34 @@ int PixelTrial::choose_paths() {
     sky[b] = (e2 - path[b] / paths(1)) * rays;
   }
   const auto square = [&](std::size_t b, int per_two) { return sky[b] / rays + path[b] / paths(per_two); };
-  const auto time_for_error = [&](int per_two) {  // by the worst band: time grows as its square error is to fall
-    double worst = 0;
-    for (std::size_t b = 0; b < bands; ++b) worst = std::max(worst, square(b, per_two));
+  const auto time_of = [&](double square_error, int per_two) {  // which grows as its square error is to fall
     const auto cost_s = [&](int directions) {
       return CostModel().seconds(pixel_counts(plan_, 0, directions, per_two));
     };
-    return worst * (cost_s(2 * kTriedDirections) - cost_s(kTriedDirections));
+    return square_error * (cost_s(2 * kTriedDirections) - cost_s(kTriedDirections));
+  };
+  const auto time_by_law = [&](int per_two) {  // of the worst band
+    double worst = 0;
+    for (std::size_t b = 0; b < bands; ++b) worst = std::max(worst, square(b, per_two));
+    return time_of(worst, per_two);
   };
   int best = kPathsPerTwo[0];
   for (const int per_two : kPathsPerTwo)
-    if (time_for_error(per_two) < (best == kPathsPerTwo[0] ? kWorthSharing : 1) * time_for_error(best)) best = per_two;
-  // What was found of a setting counts as measured: that of one that was not rendered is rendered now.
-  if (best > 1) look_.sky = best == kMorePaths ? more : pair_error(best);
+    if (time_by_law(per_two) < (best == kPathsPerTwo[0] ? kWorthSharing : 1) * time_by_law(best)) best = per_two;
+  if (best == 1) {
+    plan_.sky.paths_per_two = 1;
+    return 1;
+  }
+  // What was found of a setting counts as measured: what was not rendered is rendered now.
+  const int least = best;
+  double least_time = std::numeric_limits<double>::infinity();
+  for (const int per_two : kPathsPerTwo) {
+    if (per_two < least || time_by_law(per_two) > kNearlyAsFast * time_by_law(least)) continue;
+    const TrialError found = per_two == kMorePaths ? more : pair_error(per_two);
+    const auto& estimate = found.bands.estimate;
+    const double time = time_of(std::pow(*std::max_element(estimate.begin(), estimate.end()), 2), per_two);
+    if (time < least_time) least_time = time, best = per_two, look_.sky = found;
+  }
   plan_.sky.paths_per_two = best;
   return best;
 }
