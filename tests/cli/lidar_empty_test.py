@@ -169,7 +169,7 @@ particles = { extinction_per_m = %s }
     place = ("position_m = [0.0, 0.0, 200.0]", "position_m = [30.0, -20.0, 200.0]")
     change = lambda extinction: [place, ("[atmosphere]", plume % extinction + "[atmosphere]")]
     # By default what particles send back is background, as the air's is.
-    returns, said, _ = rendered(work, change("1.0"), **aside)
+    returns, said, _ = rendered(work, change("1.0"), **aside, echoes="false_returns = 1e-9")
     one(said, "no return was found", "return of air and particles", "air_is_background")
     seen = [*change("1.0"), ("[lidar.echoes]", "[lidar.echoes]\nair_is_background = false")]
     returns, said, _ = rendered(work, seen, **aside)
@@ -188,7 +188,7 @@ def known_after(work):
         (dict(reflectance=0.0), ("no return was found", "surfaces absorb all light", "100 % was absorbed by surfaces")),
         (dict(reflectance=1e-9), ("no return was found", "does not reach the threshold")),
     ):
-        returns, said, kept = rendered(work, **values)
+        returns, said, kept = rendered(work, **values, echoes="false_returns = 1e-9")
         check(returns == [], values, returns)
         one(said, *parts)
         one(kept, *parts)
@@ -261,18 +261,17 @@ def geiger(work):
             work, [("energy_J = 1e-4", f"energy_J = {energy}"), ("[lidar.products]", kind)], pulses=200
         )
         deviation = 200**0.5 * 0.5
+        beside = 200 * 0.0134  # dark counts within the pulse's 13 ns, which may be taken for the ground or not
         check(abs(len(returns) - found) <= 4 * deviation, len(returns), found)
         near = sum(row["order"] == "1" for row in returns)
         expected = record(work / "out/scan")["survey"]["returns_of_matter_expected"]
         print(f"geiger, {energy} J: {len(returns)} returns, {near} at the ground, {expected:.4g} expected of it")
         if of_ground:
-            check(
-                abs(near - of_ground) <= 4 * deviation and abs(near - expected) < 1 and not said, near, of_ground, said
-            )
+            check(abs(near - of_ground) <= 4 * deviation, near, of_ground)
+            check(all("lie within half a pulse of the gate's ends" in line for line in said), said)  # dark counts do
+            check(abs(near - expected) <= beside + 4 * beside**0.5, near, expected)
         else:
-            check(
-                near <= 2 * 200 * 0.0134 + 4 and expected < 0.01, near, expected
-            )  # events within the pulse's 13 ns by chance
+            check(near <= beside + 4 * beside**0.5 and expected < 0.01, near, expected)
             one(said, f"all {len(returns)} returns are noise, background or air", "photo-electrons a record")
             one(kept, "noise, background or air")
 
@@ -308,8 +307,8 @@ def tolerance(work):
             looked,
         )
     # However few the pulses, and where one pattern serves all of them: whatever the seed, what the plan's trial says
-    # with its 2048 sub-rays. 1.5: over six seeds the two part by up to 1.17 (256 sub-rays, whose references are as
-    # coarse).
+    # with its 2048 sub-rays. Over fifty seeds the logarithms of the two part by 0.1 to 0.15; of 256 sub-rays, whose
+    # references are hardly finer, by 0.24. Four such: 1.5 to 1.8, and 2.6.
     narrow = [("fwhm_ns = 4.0", "fwhm_ns = 0.3"), ("[lidar.gate]", "[lidar.gate]\nbin_ns = 0.2")]
     receiver = narrow + [
         ("[lidar.sampling]", '[lidar.sampling]\nfrom = "receiver"'),
@@ -335,8 +334,10 @@ def tolerance(work):
                 f"{name}, {subrays} sub-rays, seed {seed}: render says {error['likely']:.3g} to {error['total']:.3g}, "
                 f"plan {planned:.3g}"
             )
-            program.between(1 / 1.5, error["total"] / planned, math.inf, "total error", name, subrays, error, planned)
-            program.between(0, error["likely"] / planned, 1.5, "likely error", name, subrays, error, planned)
+            apart = 2.6 if subrays == 256 else 1.8
+            told = (name, subrays, error, planned)
+            program.between(-math.log(apart), math.log(error["total"] / planned), math.inf, "total error", *told)
+            program.between(-math.inf, math.log(error["likely"] / planned), math.log(apart), "likely error", *told)
 
 
 with tempfile.TemporaryDirectory() as folder:
