@@ -10,10 +10,10 @@ and of the C++ compiler, which the second line states and a failure compares. Th
 without FMA, too: with those 6 of 259 products move, the returns of three LIDARs. A processor that has more than AVX2 is
 told by the environment to compile for AVX2 (kernel_target.py), so each with AVX2 is held to that record; what it has of
 its own is held to the record of that set. AVX-512 is held to AVX2's: all 259 products of the 40 scenes had the same
-bits on a processor with AVX-512 as Bochs emulates it (skylake-x; kernels for skylake-avx512, host, Embree and C library
-on that processor, too; 2026-11-30), as they had where both were recorded on one processor (commits d60c6427,
-7ef013b3, e6fad690, ab96dadc), and no kernel takes what only one of them has (approximate reciprocals, above all, which
-differ between makers). Should they part, --set avx512 --write makes a record of its own. Where no record
+bits on an AMD EPYC with AVX-512 (family 25, model 17; 2026-11-30, kernels for skylake-avx512), on Intel's as Bochs
+emulates it (skylake-x; host, Embree and C library on that processor, too), and where both were recorded on one
+processor (commits d60c6427, 7ef013b3, e6fad690, ab96dadc), and no kernel takes what only one of them has (approximate
+reciprocals, above all, which differ between makers). Should they part, --set avx512 --write makes a record of its own. Where no record
 fits, some of the scenes are rendered in several ways that may not change a bit (threads, tiles, width of vectors) and
 compared with each other, which the last line says. Nothing is skipped.
 
