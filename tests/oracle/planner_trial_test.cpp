@@ -175,8 +175,8 @@ TEST_CASE("S60: replicates of a lattice find the error that integration gives fo
     const double want = std::sqrt(squares / (4096 * kDraws)) / (mean / (4096 * kDraws));
     const SettingErrors found = trial.replicates(samples, 1);
     CAPTURE(samples);
-    // 64 columns in 4096 pixels with shifts of their own: some 1500 pixels see an edge, and eight mean squares of as many
-    // draws are known to 1.3 %; the trial says how well it knows its own.
+    // 64 columns in 4096 pixels with shifts of their own: some 1500 pixels see an edge, and eight mean squares of as
+    // many draws are known to 1.3 %; the trial says how well it knows its own.
     CHECK_WITHIN(found.samples.estimate / want - 1,
                  4 * std::hypot(found.samples.bound / found.samples.estimate - 1, 0.0065));
     CHECK_ABOVE(found.samples.bound, found.samples.estimate);
