@@ -2,14 +2,14 @@
 """Repeats tests of chance with other seeds, and tells how many standard deviations their limits stand away.
 
 Tests draw from fixed seeds: each passes always or fails always, and a limit that is too near shows only when draws
-change. Here each repetition sets RAYCUBE_TEST_SEED to 1, 2, .., from which tests/support/seeds.h and
+change. Here each repetition sets RAYCUBE_TEST_SEED to 1, 2, .. (from --first on), from which tests/support/seeds.h and
 tests/cli/driver.py make other seeds, and RAYCUBE_TEST_FIGURES to a file that takes a line for each check of a figure
 that chance moves. A row for each such check: of its cases (passes of a loop) the one whose limit is nearest, its
 figure's mean and standard deviation over the repetitions, its limits on average, the mean of what is left to the limit
 over the standard deviation of that, and the median of this over all cases. Fifty repetitions know a distance of 4 to
 0.4. "still" figures are those that no seed moves.
 
-usage: tests/repeat_seeds.py [--build FOLDER] [--count N] NAME[:CASES] ..
+usage: tests/repeat_seeds.py [--build FOLDER] [--count N] [--first N] NAME[:CASES] ..
 NAME is a test as ctest lists it, CASES a pattern of doctest's: those of its test cases alone."""
 
 import argparse
@@ -78,6 +78,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="the build's folder")
     parser.add_argument("--count", type=int, default=50, help="repetitions of each test")
+    parser.add_argument("--first", type=int, default=1, help="RAYCUBE_TEST_SEED of the first")
     parser.add_argument("names", nargs="+", metavar="NAME[:CASES]")
     given = parser.parse_args()
     commands, failed = commands_of(given.build), False
@@ -88,7 +89,7 @@ def main():
         command, environment, folder = commands[test]
         command = [*command, f"--test-case={cases}"] if cases else command
         repetitions, bad, begun = [], [], time.monotonic()
-        for number in range(1, given.count + 1):
+        for number in range(given.first, given.first + given.count):
             with tempfile.TemporaryDirectory() as scratch:
                 figures = pathlib.Path(scratch) / "figures"
                 own = {"RAYCUBE_TEST_SEED": str(number), "RAYCUBE_TEST_FIGURES": str(figures), "LC_ALL": "C.UTF-8"}

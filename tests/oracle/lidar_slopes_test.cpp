@@ -112,8 +112,8 @@ TEST_CASE("S40: one plane at 30 to 60 degrees is one return, whatever its light,
         CHECK(found.a_pulse >= 1);
         CHECK_BELOW(found.a_pulse, 1.02);
         // The beam's near half sends more: its middle is off the plane's by 1e-3 of a radius; the rest is the
-        // waveform's own error of 1 %, of a return that is 2 m deep at most. A leading edge comes the earlier the more a
-        // slope stretches it; that is the method's own.
+        // waveform's own error of 1 %, of a return that is 2 m deep at most. A leading edge comes the earlier the more
+        // a slope stretches it; that is the method's own.
         if (method != scene::EchoMethod::constant_fraction) CHECK_BELOW(found.range_rms_m, 0.02);
       }
     }
