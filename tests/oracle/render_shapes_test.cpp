@@ -58,6 +58,33 @@ double eval(const scene::Shape& shape, const RcAngles& angles) {
   return rc_shape_eval(shape.number, 1, shape.parameters(), angles);
 }
 
+/// Of the shape times the cosine over the hemisphere above the horizon, by midpoints; by 16 in place of one within 45
+/// degrees of the viewer's direction, where shapes are steep: without them Hapke's is 0.5 % too small, with them 4e-4.
+double sky_integral(const scene::Shape& shape, const RcLocal& normal, const RcLocal& viewer) {
+  constexpr int kRows = 60, kColumns = 120, kParts = 4;
+  const double near = std::cos(45 * kPi / 180);
+  const auto midpoints = [&](double row, double column, double step, int parts, const auto& self) -> double {
+    double sum = 0;
+    for (int i = 0; i < parts; ++i)
+      for (int j = 0; j < parts; ++j) {
+        const double r = row + (i + 0.5) * step, c = column + (j + 0.5) * step;
+        const double cosine = r / kRows, sine = std::sqrt(1 - cosine * cosine), turn = 2 * kPi * c / kColumns;
+        const RcLocal d{sine * std::cos(turn), sine * std::sin(turn), cosine};
+        if (step == 1 && d.x * viewer.x + d.y * viewer.y + d.z * viewer.z > near) {
+          sum += self(r - 0.5, c - 0.5, 1.0 / kParts, kParts, self);
+          continue;
+        }
+        const RcAngles angles = rc_angles(normal, d, viewer);
+        sum += step * step * eval(shape, angles) * std::max(0.0, angles.cos_in);
+      }
+    return sum;
+  };
+  double sum = 0;
+  for (int i = 0; i < kRows; ++i)
+    for (int j = 0; j < kColumns; ++j) sum += midpoints(i, j, 1, 1, midpoints);
+  return sum * 2 * kPi / (kRows * kColumns);
+}
+
 }  // namespace
 
 TEST_CASE("S15 shapes: sunlight from a tilted plane is the closed form at each pixel's angles") {
@@ -98,17 +125,8 @@ TEST_CASE("S16 shapes: an even sky over a tilted plane is the integral of the sh
     for (int line = 0; line < image.lines; line += kBlock)
       for (int pixel = 0; pixel < image.pixels; pixel += kBlock) {
         const RcLocal viewer = scene.viewer(line + 0.5 * (kBlock - 1), pixel + 0.5 * (kBlock - 1));
-        double sum = 0;
-        constexpr int kRows = 60, kColumns = 120;
-        for (int i = 0; i < kRows; ++i)
-          for (int j = 0; j < kColumns; ++j) {
-            const double cosine = (i + 0.5) / kRows, sine = std::sqrt(1 - cosine * cosine);
-            const double turn = 2 * kPi * (j + 0.5) / kColumns;
-            const RcAngles angles =
-                rc_angles(scene.normal, {sine * std::cos(turn), sine * std::sin(turn), cosine}, viewer);
-            sum += eval(shape, angles) * std::max(0.0, angles.cos_in);
-          }
-        const double expected = kReflectance * kSkyRadiance * sum * 2 * kPi / (kRows * kColumns);
+        const double sum = sky_integral(shape, scene.normal, viewer);
+        const double expected = kReflectance * kSkyRadiance * sum;
         double off = 0;
         for (int i = 0; i < kBlock; ++i)
           for (int j = 0; j < kBlock; ++j) {
@@ -122,7 +140,7 @@ TEST_CASE("S16 shapes: an even sky over a tilted plane is the integral of the sh
     const double error = std::sqrt(std::max(0.0, square / count - difference * difference) / count);
     MESSAGE(scene::shape_entry(shape.number).name << " " << shape.parameter[0] << ": mean difference " << difference
                                                   << " +- " << error << ", of a pixel " << of_a_pixel);
-    // The quadrature above is good to 1e-3; directions are drawn anew for each pixel.
+    // The quadrature is good to 1e-3; directions are drawn anew for each pixel.
     CHECK_WITHIN(difference, 4 * error + 1e-3);
     CHECK(of_a_pixel < 0.1);
   }
