@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 
 #include "scene_compiler/air_wavelength.h"
@@ -318,6 +319,17 @@ std::optional<Material> read_one(const SpectrumRequest& request, Problems& probl
   return std::nullopt;
 }
 
+/// Whether a column's first word names what is no reflectance: another quantity, or how well one is known.
+bool is_other_quantity(const std::string& column) {
+  static const std::set<std::string> kOthers = {
+      "transmittance", "transmission", "absorptance", "absorbance", "emissivity", "emittance", "radiance",
+      "irradiance",    "std",          "stdev",       "stddev",     "sd",         "sigma",     "variance",
+      "uncertainty",   "error",        "count",       "counts",     "dn",         "log",       "fwhm",
+      "fwhm_nm",       "fwhm_um"};
+  const std::string word = column.substr(0, column.find_first_of(" ([/,;:"));
+  return kOthers.count(word) > 0 || wavelength_unit_um(column).has_value();
+}
+
 std::vector<Material> csv_family(const SpectrumRequest& request, Problems& problems) {
   std::vector<Material> out;
   const auto csv = read_csv(request.file, request.asked_by, problems);
@@ -326,10 +338,9 @@ std::vector<Material> csv_family(const SpectrumRequest& request, Problems& probl
   FamilyNotices notices;
   for (std::size_t column = 0; column < csv->columns.size(); ++column) {
     if (column == wavelength->first) continue;
-    if (const std::string& name = csv->columns[column];
-        name == "transmittance" || wavelength_unit_um(name).has_value()) {
-      problems.add({csv->file, csv->header_line, 0, ""}, "no spectrum of a family", "column '" + name + "'",
-                   "remove it: each column beside the wavelength is a reflectance");
+    if (const std::string& name = csv->columns[column]; is_other_quantity(name)) {
+      problems.add({csv->file, csv->header_line, 0, ""}, "no reflectance", "column '" + name + "'",
+                   "remove it: each column beside the wavelength is taken for a spectrum of reflectance");
       return {};
     }
     auto member = notices.member(

@@ -242,3 +242,22 @@ TEST_CASE("cubes: widths in wavenumbers and frequencies; a unit that is none is 
   CHECK_SAYS(none.warnings[0], "x.hdr: has no 'wavelength units'; they are not used");
   CHECK_SAYS(of("wavelength = {1, 2}\nwavelength units = Index\n").warnings.at(0), "in no unit of them ('Index')");
 }
+
+TEST_CASE("families: a column of another quantity, or of how well one is known, is no spectrum of theirs") {
+  Folder folder;
+  const auto read = [&](const std::string& column) {
+    folder.write("family.csv", "wavelength_nm,grass," + column + "\n400,0.1,0.2\n900,0.4,0.3\n");
+    SpectrumRequest request;
+    request.file = folder.at("family.csv");
+    base::Problems problems;
+    const std::size_t count = read_family(request, problems).size();
+    return std::pair(count, problems.lines().empty() ? "" : problems.lines().front());
+  };
+  for (const char* column : {"standard tile", "logs", "counts_of_nothing", "radiances"}) CHECK(read(column).first == 2);
+  for (const char* column : {"std", "StdDev", "emissivity", "Radiance (W m-2 sr-1 um-1)", "log(1/R)", "transmittance",
+                             "uncertainty [%]", "wavelength_um"}) {
+    const auto [count, said] = read(column);
+    CHECK(count == 0);
+    CHECK_SAYS(said, "family.csv:1: no reflectance (found column '");
+  }
+}
