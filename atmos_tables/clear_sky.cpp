@@ -18,7 +18,7 @@ namespace raycube::atmos {
 
 namespace {
 
-const std::vector<double> kViewZeniths = {0, 10, 20, 30, 40, 50, 60, 70, 80};
+const std::vector<double> kViewZeniths = {0, 10, 20, 30, 40, 50, 60, 70, kModelLastView_deg};
 const std::vector<double> kViewAzimuths = {0, 30, 60, 90, 120, 150, 180};
 const std::vector<double> kSkyZeniths = {0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 84, 87, 89, 90};
 const std::vector<double> kSkyAzimuths = {0, 10, 20, 30, 50, 70, 90, 120, 150, 180};

@@ -133,6 +133,10 @@ void check_view_zeniths(const std::vector<double>& view_zenith_deg) {
   problems.throw_if_any();
 }
 
+double last_view_zenith_deg(const scene::AtmosphereSpec& spec) {
+  return spec.view_zenith_deg.empty() ? kModelLastView_deg : spec.view_zenith_deg.back();
+}
+
 std::optional<std::string> no_light_notice(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double first_um) {
   if (!spec.table_file.empty() || sun.zenith_deg < 90 || !(first_um < kReflectedTo_um)) return std::nullopt;
   const std::string bands = ", below the horizon: bands below " + json_number(kReflectedTo_um) + " um hold no ";

@@ -24,6 +24,11 @@ void check_table_request(const scene::Sun& sun, double sensor_height_m, const st
 /// Of a user's view zeniths: what breaks their rule, two or more, ascending, within 0..89.9 deg.
 void check_view_zeniths(const std::vector<double>& view_zenith_deg);
 
+/// Where the view zeniths of both built-in models end, unless the user gives others.
+inline constexpr double kModelLastView_deg = 80;
+/// Where those of a built table will end.
+double last_view_zenith_deg(const scene::AtmosphereSpec& spec);
+
 /// What a user should know of an instrument that begins at `first_um` and looks at reflected light under a sun or moon
 /// below the horizon: it is dark, since the built-in models have no twilight. Nothing where light is up, thermal alone,
 /// or a table of the user's.

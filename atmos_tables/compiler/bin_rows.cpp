@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "atmos_tables/clear_sky_inputs.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/units.h"
@@ -17,7 +18,7 @@ constexpr double kFourierTolerance = 1e-5;
 constexpr double kSmallestTransmission = 1e-30;
 constexpr double kLargestFactorLog = 20;
 
-const std::vector<double> kViewZenith_deg = {0, 10, 20, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80};
+const std::vector<double> kViewZenith_deg = {0, 10, 20, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, kModelLastView_deg};
 
 /// Dense in the aureole, where tabulated Mie functions have a cusp (0.25 deg is the sun's radius), and around the
 /// glory.

@@ -94,8 +94,8 @@ std::string chart_text(const run::Chart& chart) {
 int run(Invocation& invocation, const ChartRequest& options) {
   run::Services services = services_of(invocation);
   scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services, invocation.common.set);
-  run::check_inputs(simulation, run::pick_instruments(simulation, options.instrument),
-                    run::pick_lidars(simulation, options.instrument));
+  run::check_inputs(simulation, {.instruments = run::pick_instruments(simulation, options.instrument),
+                                 .lidars = run::pick_lidars(simulation, options.instrument)});
   const auto wanted = [&](const std::string& name) { return options.instrument.empty() || name == options.instrument; };
   std::vector<std::string> devices;
   if (!invocation.common.device.empty())

@@ -202,7 +202,7 @@ int run(Invocation& invocation, const CheckRequest& options) {
     for (const scene::Lidar* lidar : lidars)
       lidar_files.try_emplace(lidar->name, invocation.common.output + "/" + lidar->name + "_check", if_exists);
   }
-  run::check_inputs(simulation, instruments, lidars);
+  run::check_inputs(simulation, {.instruments = instruments, .lidars = lidars});
   Outcome outcome;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, render_options(invocation.common));

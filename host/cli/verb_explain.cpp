@@ -147,7 +147,7 @@ int run(Invocation& invocation, const ExplainRequest& request) {
   if (request.band && *request.band > count)
     throw base::Error(base::Fault::input, fmt::format("--band: instrument '{}' has bands 1 to {} (found {})",
                                                       given.name, count, *request.band));
-  run::check_inputs(simulation, {&given}, {});
+  run::check_inputs(simulation, {.instruments = {&given}});
   render::Renderer renderer(simulation.scene, render_options(invocation.common));
   run::Planning planning;
   planning.renderer = &renderer;

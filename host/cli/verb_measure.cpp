@@ -14,6 +14,7 @@
 #include "host/base/error.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
+#include "host/run/input_check.h"
 #include "host/run/light_budget.h"
 #include "host/run/load_job.h"
 #include "host/run/measure.h"
@@ -43,8 +44,10 @@ struct Picked {
           base::Fault::input,
           simulation.file + (known.empty() ? ": no [[measure]] or [[budget]] to take; add one"
                                            : ": no measure or budget is called '" + name + "'; there are: " + known));
-    for (const scene::Measure& measure : measures) run::check_measure(simulation, measure);
-    for (const scene::LightBudget& budget : budgets) run::check_budget(simulation, budget);
+    run::Asked asked;
+    for (const scene::Measure& measure : measures) asked.measures.push_back(&measure);
+    for (const scene::LightBudget& budget : budgets) asked.budgets.push_back(&budget);
+    run::check_inputs(simulation, asked);
   }
   std::vector<scene::Measure> measures;
   std::vector<scene::LightBudget> budgets;

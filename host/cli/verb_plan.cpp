@@ -87,7 +87,7 @@ int run(const PlanRequest& options, Invocation& invocation) {
   const auto settings = render_options(invocation.common);
   std::optional<base::OutputFile> output;
   if (!invocation.common.output.empty()) output.emplace(invocation.common.output, if_exists(invocation.common));
-  run::check_inputs(simulation, instruments, lidars, true);
+  run::check_inputs(simulation, {.instruments = instruments, .lidars = lidars, .background = true});
   std::vector<Said> all;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, settings);

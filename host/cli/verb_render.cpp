@@ -96,7 +96,7 @@ class Rendering {
     done_.names = names_of(instruments, lidars);
     if (!invocation_.common.dry_run)
       for (const auto& name : done_.names) run::check_output_place(folder_of(name), invocation_.common.overwrite);
-    run::check_inputs(simulation, instruments, lidars, true);
+    run::check_inputs(simulation, {.instruments = instruments, .lidars = lidars, .background = true});
     for (const auto* lidar : lidars)
       if (lidar->products.laz) run::laz_python();
     read_plan(instruments, lidars);

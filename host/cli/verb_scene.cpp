@@ -58,8 +58,9 @@ Verb verb_scene_check() {
       "Whatever a render would refuse that needs neither the air computed nor a ray sent is told here: bands beyond "
       "the atmosphere's table or "
       "model, used materials whose curves do not cover them or that have no temperature for thermal light, views, "
-      "point spreads; and where no air is to be computed what planning refuses, a tolerance that no plan holds. "
-      "render, check, plan, chart and tune begin with the same.";
+      "point spreads, nodes of [plan]; suns, bands and edges of [[measure]] and [[budget]]; and where no air is to be "
+      "solved what planning refuses, a tolerance that no plan holds. render, check, plan, chart, tune and measure "
+      "begin with the same for what they compute.";
   verb.examples = {"raycube scene check park.toml"};
   verb.common = kSet;
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };

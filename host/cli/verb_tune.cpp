@@ -220,7 +220,7 @@ int run(const TuneRequest& options, Invocation& invocation) {
   const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
   const auto instruments = run::pick_instruments(simulation, options.instrument);
   const auto lidars = run::pick_lidars(simulation, options.instrument);
-  run::check_inputs(simulation, instruments, lidars);
+  run::check_inputs(simulation, {.instruments = instruments, .lidars = lidars});
   auto settings = render_options(invocation.common);
   settings.tuned = false;
   const cl::DeviceInfo device = render::pick_device(settings).info();

@@ -48,8 +48,12 @@ Spectrum molecular_share(const TableSpectra& air, const std::vector<double>& cov
 }  // namespace
 
 scene::Adjacency choose_adjacency(const scene::Simulation& simulation, const atmos::RenderTable& table) {
+  return choose_adjacency(simulation, atmos::has_ground_coupling(table));
+}
+
+scene::Adjacency choose_adjacency(const scene::Simulation& simulation, bool table_has_coupling) {
   const scene::AtmosphereSpec& spec = simulation.atmosphere;
-  const bool possible = !spec.none && atmos::has_ground_coupling(table);
+  const bool possible = !spec.none && table_has_coupling;
   if (spec.adjacency == scene::Adjacency::automatic) return possible ? scene::Adjacency::local : scene::Adjacency::off;
   if (spec.adjacency != scene::Adjacency::off && !possible)
     throw base::Error(base::Fault::input,

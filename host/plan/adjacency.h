@@ -14,6 +14,8 @@ namespace raycube::plan {
 
 /// What of [atmosphere] adjacency this table and air allow. Error(input) when the file asks for what the table lacks.
 scene::Adjacency choose_adjacency(const scene::Simulation& simulation, const atmos::RenderTable& table);
+/// The same of a table that has the rows of light between ground and air, or has not, before it is there.
+scene::Adjacency choose_adjacency(const scene::Simulation& simulation, bool table_has_coupling);
 
 /// Makes plan.environment and returns the scene's mean reflectance on the covered wavelengths, the first of which is
 /// number `first` of the table's. Error(input) where mean and spherical albedo let light grow without end. On as many

@@ -14,6 +14,7 @@
 #include "host/plan/band_truth.h"
 #include "host/plan/bounces.h"
 #include "host/plan/channel_bands.h"
+#include "host/plan/given_levels.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/lamps.h"
 #include "host/plan/plan.h"
@@ -152,14 +153,6 @@ std::vector<SkyLevelReport> reported(const std::vector<SkyLevel>& levels) {
   return out;
 }
 
-/// " (sky_rank 1, view_nodes 7)".
-std::string describe_given(const scene::PlanOverrides& given) {
-  std::string out;
-  for (const auto& [key, value] : given_overrides(given))
-    out += fmt::format("{}{} {}", out.empty() ? " (" : ", ", key, value);
-  return out + ")";
-}
-
 /// Error of each axis of nodes with each count of them.
 AxisErrors reported(const NodeErrors& errors) {
   const auto list = [](const auto& values) { return std::vector<double>(values.begin(), values.end()); };
@@ -223,13 +216,6 @@ struct ChosenSkies {
   SkyFactors solar, thermal;
 };
 
-void check_directions(const scene::Simulation& simulation) {
-  if (simulation.sky_directions < 1 || simulation.sky_directions > kMostSkyRays)
-    throw base::Error(base::Fault::input,
-                      fmt::format("{}: sky_directions must be 1 to {} (found {}); without it the planner chooses",
-                                  simulation.file, kMostSkyRays, simulation.sky_directions));
-}
-
 /// A plan that knows its tolerance, its sun and its matter.
 Plan begin_plan(const scene::Simulation& simulation, const Domain& domain) {
   Plan plan;
@@ -291,12 +277,7 @@ Chosen choose_within_budget(const NodeErrors& errors, const scene::Simulation& s
     out.nodes = choose_nodes(errors, out.budget, given);
     if (out.nodes.within_budget) break;
   }
-  if (!out.nodes.possible)
-    throw base::Error(base::Fault::input,
-                      fmt::format("{}: [plan] asks for what no plan can have{}: more than {} channels, or a sky of so "
-                                  "few components that it takes away more "
-                                  "than there is; give fewer nodes, another sky_rank, or remove a key",
-                                  simulation.file, describe_given(given), RC_MAX_CHANNELS));
+  if (!out.nodes.possible) throw impossible_levels(simulation);
   return out;
 }
 
@@ -432,7 +413,7 @@ void compare_with_flux_row(Plan& plan, const Setting& at, const SkyFactorizer& s
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
                const atmos::RenderTable& table, const ViewBounds& view, int threads) {
   const base::Doing doing("planning instrument", instrument.name);
-  check_directions(simulation);
+  check_given_levels(simulation);
   Domain domain = make_domain(simulation, table, view);
   const auto& table_um = table.axis("wavelength").nodes;
   scene::Instrument convolved = instrument;

@@ -126,6 +126,23 @@ atmos::RenderTable made_table(const AirRequest& request, Services& services) {
 
 }  // namespace
 
+std::optional<atmos::RenderTable> quick_table(const AirRequest& request) {
+  if (auto known = known_table(request)) return known;
+  const scene::AtmosphereSpec& spec = *request.spec;
+  const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
+  if (!spec.layered)
+    return atmos::make_table(spec, request.sun, request.sensor_height_m,
+                             atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um), heights);
+  const auto wavelengths = atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um);
+  try {
+    const std::filesystem::path file = kept_file(request, wavelengths, heights);
+    std::error_code none;
+    if (!file.empty() && std::filesystem::exists(file, none)) return atmos::read_rct(file.string());
+  } catch (const base::Error&) {  // whoever computes the table says that what is kept is damaged
+  }
+  return {};
+}
+
 atmos::RenderTable air_table(const AirRequest& request, Services& services) {
   const base::Doing doing("making the table of the air");
   atmos::RenderTable table = made_table(request, services);

@@ -8,17 +8,22 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "atmos_tables/clear_sky_inputs.h"
 #include "host/base/doing.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "host/run/air_table.h"
 #include "host/run/lidar_background.h"
-#include "host/run/lidar_job.h"
 #include "host/run/camera_job.h"
+#include "host/run/lidar_job.h"
+#include "host/run/light_budget.h"
+#include "host/run/measure.h"
 #include "host/lidar/air_column.h"
 #include "host/lidar/make_lidar_plan.h"
 #include "host/plan/adjacency.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/curve.h"
+#include "host/plan/given_levels.h"
 #include "host/plan/one_direction.h"
 #include "host/plan/spectral_plan.h"
 #include "host/plan/table_spectra.h"
@@ -98,6 +103,19 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
   found.add(cold);
 }
 
+/// What a built-in model's table will hold, where it has yet to be computed: the rows of light between ground and air,
+/// which the layered model alone has, and views down to the last of its zenith angles.
+void check_model(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::ViewBounds& view,
+                 double bands_to_um, Found& found) {
+  const scene::AtmosphereSpec& spec = simulation.atmosphere;
+  found.part([&] { static_cast<void>(plan::choose_adjacency(simulation, spec.layered.has_value())); });
+  found.part([&] { plan::check_view(instrument, view, base::rad_from_deg(atmos::last_view_zenith_deg(spec))); });
+  base::Problems cold;
+  plan::check_thermal_matter(simulation.scene, simulation.file,
+                             plan::temperature_demand(false, bands_to_um, spec.layered.has_value(), bands_to_um), cold);
+  found.add(cold);
+}
+
 /// Files of the materials' curves, as the simulation file names them.
 std::map<std::string, std::string> curve_files(const scene::Simulation& simulation) {
   std::map<std::string, std::string> files;
@@ -133,15 +151,10 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   found.part([&] {
     if (const auto notice = coarse_sun_notice(simulation.atmosphere, instrument.bands))
       found.notice(instrument, {*notice});
-    if (const auto table = known_table(request)) {
+    if (const auto table = known_table(request))
       check_known_table(simulation, instrument, view, *table, request.last_um, found);
-    } else {
-      base::Problems cold;
-      plan::check_thermal_matter(
-          simulation.scene, simulation.file,
-          plan::temperature_demand(false, request.last_um, request.spec->layered.has_value(), request.last_um), cold);
-      found.add(cold);
-    }
+    else
+      check_model(simulation, instrument, view, request.last_um, found);
   });
 }
 
@@ -190,6 +203,30 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
   if (sound && background && has_background(simulation, lidar)) check_background(simulation, plan, files, found);
 }
 
+/// The light of these bands of an instrument needs the materials' curves, whoever looks.
+void check_lit_curves(const scene::Simulation& simulation, const std::string& instrument,
+                      const std::vector<scene::Band>& bands, const std::map<std::string, std::string>& files,
+                      Found& found) {
+  scene::Instrument lit;
+  lit.name = instrument, lit.bands = bands;
+  base::Problems problems;
+  plan::check_bands(lit, problems);
+  if (problems.empty()) plan::check_curves(simulation.scene, lit, problems, files);
+  found.add(problems);
+}
+
+void check_reflectance_factors(const scene::Simulation& simulation, const scene::Measure& measure,
+                               const std::map<std::string, std::string>& files, Found& found) {
+  if (found.part([&] { check_measure(simulation, measure); }))
+    check_lit_curves(simulation, measure.bands_of, bands_of(simulation, measure.bands_of), files, found);
+}
+
+void check_light_budget(const scene::Simulation& simulation, const scene::LightBudget& budget,
+                        const std::map<std::string, std::string>& files, Found& found) {
+  if (found.part([&] { check_budget(simulation, budget); }))
+    check_lit_curves(simulation, budget.bands_of, budget_bands(simulation, budget), files, found);
+}
+
 /// Where the built-in air says less and less: plane-parallel, and without twilight.
 void check_low_sun(const scene::Simulation& simulation, Found& found) {
   constexpr double kLow_deg = 86, kHorizon_deg = 90, kTwilight_deg = 96;
@@ -210,30 +247,41 @@ void check_low_sun(const scene::Simulation& simulation, Found& found) {
 
 }  // namespace
 
-std::vector<std::string> check_inputs(const scene::Simulation& simulation,
-                                      const std::vector<const scene::Instrument*>& instruments,
-                                      const std::vector<const scene::Lidar*>& lidars, bool background) {
+std::vector<std::string> check_inputs(const scene::Simulation& simulation, const Asked& asked) {
   const base::Doing doing("checking inputs");
   Found found;
   const auto files = curve_files(simulation);
-  for (const auto* instrument : instruments) check_instrument(simulation, *instrument, files, found);
-  for (const auto* lidar : lidars) check_lidar(simulation, *lidar, files, background, found);
-  if (!instruments.empty()) check_low_sun(simulation, found);
+  if (!asked.instruments.empty()) found.part([&] { plan::check_given_levels(simulation); });
+  for (const auto* instrument : asked.instruments) check_instrument(simulation, *instrument, files, found);
+  for (const auto* lidar : asked.lidars) check_lidar(simulation, *lidar, files, asked.background, found);
+  for (const auto* measure : asked.measures) check_reflectance_factors(simulation, *measure, files, found);
+  for (const auto* budget : asked.budgets) check_light_budget(simulation, *budget, files, found);
+  if (!asked.instruments.empty()) check_low_sun(simulation, found);
   found.throw_if_any();
   return found.notices();
 }
 
 namespace {
 
+/// Tolerances below this are where channels may not suffice in ordinary scenes: 2e-4 and 7e-4 are the skies' own errors
+/// over level ground.
+constexpr double kTight = 1e-3;
+
 /// What planning refuses: nodes that no plan can have, a tolerance that their channels do not hold. Where the table is
-/// known this needs no ray and no model of the air; a render plans in any case, and asks later.
+/// known this needs no ray and no solver of the air; a render plans in any case, and asks later.
 void check_plan(const scene::Simulation& simulation, const scene::Instrument& given, Found& found) {
   found.part([&] {
     const auto cells = sensors::make_cells(given, 0);
     const scene::Instrument& instrument = cells ? cells->rendered : given;
     const plan::ViewBounds view = sensors::view_bounds(instrument);
-    const auto table = known_table(air_request(simulation, instrument, view.sensor_height_m));
-    if (!table) return;
+    const auto table = quick_table(air_request(simulation, instrument, view.sensor_height_m));
+    if (!table) {
+      if (simulation.tolerance < kTight)
+        found.notice(instrument, {fmt::format("whether {} channels hold the tolerance of {:g} is known once its air is "
+                                              "computed: `raycube plan` does, and refuses it where they do not",
+                                              RC_MAX_CHANNELS, simulation.tolerance)});
+      return;
+    }
     const plan::Plan plan = plan::make_plan(simulation, instrument, *table, view, 0);
     planner::Decision decision = planner::as_given(simulation, instrument, plan);
     planner::hold_tolerance(decision, simulation, instrument, plan, *table, 0);
@@ -243,14 +291,17 @@ void check_plan(const scene::Simulation& simulation, const scene::Instrument& gi
 }  // namespace
 
 std::vector<std::string> check_inputs(const scene::Simulation& simulation) {
-  std::vector<const scene::Instrument*> instruments;
-  std::vector<const scene::Lidar*> lidars;
-  for (const auto& instrument : simulation.instruments) instruments.push_back(&instrument);
-  for (const auto& lidar : simulation.lidars) lidars.push_back(&lidar);
-  std::vector<std::string> notices = check_inputs(simulation, instruments, lidars, true);
+  Asked all;
+  all.background = true;
+  for (const auto& instrument : simulation.instruments) all.instruments.push_back(&instrument);
+  for (const auto& lidar : simulation.lidars) all.lidars.push_back(&lidar);
+  for (const auto& measure : simulation.measures) all.measures.push_back(&measure);
+  for (const auto& budget : simulation.budgets) all.budgets.push_back(&budget);
+  std::vector<std::string> notices = check_inputs(simulation, all);
   Found found;
-  for (const auto* instrument : instruments) check_plan(simulation, *instrument, found);
+  for (const auto* instrument : all.instruments) check_plan(simulation, *instrument, found);
   found.throw_if_any();
+  notices.insert(notices.end(), found.notices().begin(), found.notices().end());
   return notices;
 }
 

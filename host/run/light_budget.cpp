@@ -43,12 +43,6 @@ scene::Band par_band() {
   return out;
 }
 
-std::vector<scene::Band> budget_bands(const scene::Simulation& simulation, const scene::LightBudget& budget) {
-  std::vector<scene::Band> out = bands_of(simulation, budget.bands_of);
-  if (budget.par) out.push_back(par_band());
-  return out;
-}
-
 /// A camera straight above: the plan is made for its bands.
 scene::Instrument camera_above(const scene::CompiledScene& scene, const std::vector<scene::Band>& bands) {
   scene::Instrument out;
@@ -306,6 +300,12 @@ std::vector<std::string> band_names(const std::vector<scene::Band>& bands, bool 
 const LightShare& BudgetResult::of(const std::string& quantity, const std::string& name) const {
   return *std::find_if(share.begin(), share.end(),
                        [&](const LightShare& one) { return one.quantity == quantity && one.of == name; });
+}
+
+std::vector<scene::Band> budget_bands(const scene::Simulation& simulation, const scene::LightBudget& budget) {
+  std::vector<scene::Band> out = bands_of(simulation, budget.bands_of);
+  if (budget.par) out.push_back(par_band());
+  return out;
 }
 
 void check_budget(const scene::Simulation& simulation, const scene::LightBudget& budget) {

@@ -34,6 +34,9 @@ struct BudgetResult {
   const LightShare& of(const std::string& quantity, const std::string& name = "") const;
 };
 
+/// Bands that a budget is of: its instrument's, and where it asks for it that of photosynthesis, named "par".
+std::vector<scene::Band> budget_bands(const scene::Simulation& simulation, const scene::LightBudget& budget);
+
 /// Throws Error(input): a sun that is down, bands where surfaces shine by themselves, an empty scene.
 void check_budget(const scene::Simulation& simulation, const scene::LightBudget& budget);
 

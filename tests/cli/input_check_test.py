@@ -203,6 +203,36 @@ with tempfile.TemporaryDirectory() as work:
     refused("scene", "check", fine, status=2, says=["32 channels cannot hold the tolerance of 1e-07", "measured on "])
     check("sound" in run("scene", "check", fine, "--set", "tolerance=0.01").stdout)
 
+    # The clear sky is formulas, which `scene check` evaluates; a layered air is solved by `plan` first, and kept.
+    air = '{ model = "clear_sky" }'
+    clear = scene(work, "clear.toml", head=head, air=air, pixels=2, lines=2)
+    refused("scene", "check", clear, status=2, says=["32 channels cannot hold the tolerance of 1e-07", "measured on "])
+    check("0 notices" in run("scene", "check", clear, "--set", "tolerance=0.01").stdout)
+    solved = edited(
+        scene(work, "solved.toml", head=head, air=LAYERED, pixels=2, lines=2), "count = 10, fwhm_nm = 20.0",
+        "count = 1, fwhm_nm = 2.0"
+    )
+    kept = {"XDG_CACHE_HOME": str(work / "kept")}
+    done = run("scene", "check", solved, env=kept)
+    check("1 notice" in done.stdout and "`raycube plan` does" in done.stderr, done)
+    check("0 notices" in run("scene", "check", solved, "--set", "tolerance=0.01", env=kept).stdout)
+    planned = refused("plan", solved, status=2, says=["cannot hold the tolerance"], env=kept).stderr.splitlines()
+    checked = refused("scene", "check", solved, status=2, says=["cannot hold the tolerance"], env=kept).stderr
+    check(checked.strip() in planned, checked, planned)
+
+    # What a table will hold is known before it is computed: how far it looks, which rows it has; and nodes of more
+    # channels than there are, whatever the air.
+    for model in ("clear_sky", "layered"):
+        air = f'{{ model = "{model}" }}'
+        oblique = edited(scene(work, "oblique.toml", air=air), "altitude_agl_m = 500.0", "position_m = [0, 0, 500]")
+        edited(oblique, "gsd_m = 1.0", "ifov_mrad = 1.0\npitch_deg = 84.0")
+        all_refuse(work, oblique, ["looks 84.34 deg off nadir", "ends at 80.00 deg"])
+        for nodes in ("height_nodes = 3, path_nodes = 5", "height_nodes = 5, view_nodes = 7"):
+            many = scene(work, "many.toml", air=air, head=f"plan = {{ {nodes} }}")
+            all_refuse(work, many, ["[plan] asks for what no plan can have", nodes.replace(" =", "")])
+    coupled = scene(work, "coupled.toml", air='{ model = "clear_sky", adjacency = "local" }')
+    all_refuse(work, coupled, ["the atmosphere table lacks one of spherical_albedo"])
+
     # An output that may not be replaced is known as early.
     done = refused(
         "render",

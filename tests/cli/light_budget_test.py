@@ -428,6 +428,11 @@ def check_refusals(folder):
     says("names another measure or budget", old="[[budget]]",
          new='[[measure]]\nname = "patch"\nsize_m = [1.0, 1.0]\n[[budget]]')
     says("'levels_m' has one twice", "1.5", old=patch, new=patch + "levels_m = [1.5, 3.0, 1.5]\n")
+    # Of photosynthesis a budget needs curves where no band of its instrument looks.
+    (folder / "short.csv").write_text("wavelength_nm,reflectance\n500,0.1\n3000,0.2\n")
+    file.write_text(FLAT.replace("reflectance = 0.3", 'file = "short.csv"').replace(patch, patch + "par = true\n"))
+    refused("measure", file, "-o", folder / "bad", status=2, says=("covers 500 to 3000 nm", "'par' 400 to 700 nm"))
+    check(not (folder / "bad").exists())
     tree = '[[mesh]]\nname = "a/b"\nfile = "tree.obj"\nmaterial = "ground"\n[[budget]]'
     (folder / "tree.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     says("the name of a file", "'a/b'", old="[[budget]]", new=tree + '\nfacets = ["a/b"]')

@@ -278,23 +278,30 @@ def check_refusals(folder):
     file = folder / "bad.toml"
     good = PLANE.replace("MORE", "")
 
-    def says(*parts, old, new):
+    def says(*parts, old, new, messages=1):
         check(old in good, old)
         file.write_text(good.replace(old, new))
-        refused("measure", file, "-o", folder / "bad", status=2, says=parts)
+        refused("measure", file, "-o", folder / "bad", status=2, says=parts, messages=messages)
         check(not (folder / "bad").exists())
 
     says("zenith angles go up", "75, -75", old="[-75, 75, 25]", new="[75, -75, 25]")
     says("'directions' means nothing", "principal", old='name = "pp"', new='name = "pp"\ndirections = 20')
     says("no instrument of that name", "the file has: camera", old='name = "pp"', new='name = "pp"\nbands_of = "cam"')
     says("is defined twice", "pp", old='name = "op"', new='name = "pp"')
-    says("sun above the horizon", "95", old="zenith_deg = 40.0", new="zenith_deg = 95.0")
-    says("measure 'pp' is of sunlight", "3", old="first_nm = 500.0", new="first_nm = 9000.0")
+    says("sun above the horizon", "95", old="zenith_deg = 40.0", new="zenith_deg = 95.0", messages=3)
+    says("measure 'pp' is of sunlight", "3", old="first_nm = 500.0", new="first_nm = 9000.0", messages=3)
     says("a measure's name is a folder's", "p/p", old='name = "pp"', new='name = "p/p"')
-    says("past the scene's edge", "x from -268", old="20.0, 10.0]\nzenith", new="480.0, 240.0]\nzenith")
+    edges = {"old": "20.0, 10.0]\nzenith", "new": "480.0, 240.0]\nzenith", "messages": 2}
+    says("measure 'pp' looks past the scene's edge", "x from -268", "measure 'op' looks past", **edges)
+    # A night is no matter for a render: `scene check` alone says what cannot be measured.
+    file.write_text(good.replace("zenith_deg = 40.0", "zenith_deg = 95.0"))
+    refused("scene", "check", file, status=2, says=["measure 'all' wants a sun above the horizon"], messages=3)
+    run("plan", file)
+    (folder / "short.csv").write_text("wavelength_nm,reflectance\n600,0.1\n900,0.2\n")
+    says("covers 600 to 900 nm", "short.csv", old="reflectance = 0.3", new='file = "short.csv"')
     says("more than 10000 views", "150001", old="[-75, 75, 25]", new="[-75, 75, 0.001]")
     things = good[good.index("[[plane]]") : good.index("[[instrument]]")]
-    says("nothing to look at", "an empty scene", old=things, new="")
+    says("nothing to look at", "an empty scene", old=things, new="", messages=3)
     says("no [[measure]]", "add one", old=good[good.index("[[measure]]") :], new="")
     file.write_text(good)
     refused("measure", file, "--name", "up", "-o", folder / "bad", status=2, says=("there are: pp, op, all",))
