@@ -15,7 +15,7 @@ namespace {
 
 using base::Problems;
 
-constexpr double kMaxPoses = 1e8;
+constexpr double kMaxPoses = 1e8, kMostPixels = 68719476736.0;
 
 int count_given(const Record& record, std::initializer_list<const char*> keys) {
   return static_cast<int>(std::count_if(keys.begin(), keys.end(), [&](const char* key) { return record.given(key); }));
@@ -204,6 +204,12 @@ std::optional<Aim> read_aim(const Record& record, Problems& problems) {
 }
 
 void read_geometry(const Record& record, const SceneParts& parts, Instrument& out, Problems& problems) {
+  if (double(out.lines) * out.pixels > kMostPixels) {
+    problems.add(record.place("lines"), "an image has at most 2^36 pixels, a band of which takes 256 GiB",
+                 std::to_string(out.pixels) + " pixels x " + std::to_string(out.lines) + " lines",
+                 "split the image, or correct pixels and lines");
+    return;
+  }
   const int ways = count_given(record, {"altitude_agl_m", "position_m", "poses"});
   if (ways != 1) {
     problems.add(record.where, "instrument needs exactly one of altitude_agl_m, position_m, poses",

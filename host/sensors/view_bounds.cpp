@@ -22,13 +22,32 @@ Vec exact_vector(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 // A component of a unit vector along a straight line of the image plane is a sine of the angle. Rounding to
 // floats moves it by less than 4e-7 of its size, so further than sqrt(2 x 4e-7) = 9e-4 rad from its highest
 // place no pixel can be higher, and as far from an end only the end itself. Twice that and some pixels:
-constexpr double kFlat_rad = 2e-3;
+constexpr double kFlat_rad = 2e-3, kFloatStep = 4e-7;
 constexpr int kFlat_px = 16;
+/// Of a longer run so many are looked at. Runs are flat, below 0.2 rad all together: from one to the next the view
+/// turns by h = 1e-4 rad at most, and no place between them is higher by more than h^2 / 8, which is below rounding.
+constexpr int kMostOfRun = 2048;
 
-/// First and last of a run of places along a line or down the image.
+/// First and last of a run of places along a line or down the image, and how far apart those are that are looked at.
 struct Run {
-  int first = 0, last = 0;
+  int first = 0, last = 0, step = 1;
 };
+
+/// Of long runs their ends whole, and some of what lies between.
+std::vector<Run> thinned_out(const std::vector<Run>& runs) {
+  std::vector<Run> out;
+  for (const Run& run : runs) {
+    const int length = run.last - run.first + 1;
+    if (length <= kMostOfRun) {
+      out.push_back(run);
+      continue;
+    }
+    out.push_back({run.first, run.first + kFlat_px - 1});
+    out.push_back({run.first + kFlat_px, run.last - kFlat_px, (length + kMostOfRun - 1) / kMostOfRun});
+    out.push_back({run.last - kFlat_px + 1, run.last});
+  }
+  return out;
+}
 
 /// Runs that hold every place of 0 .. count - 1 where x, y or z of the unit vector along a + s b can be
 /// extreme, whichever of the rays (a, b) it is.
@@ -39,7 +58,7 @@ std::vector<Run> extreme_runs(const std::vector<std::pair<Vec, Vec>>& rays, int 
     step_rad = std::min(step_rad, glm::length(glm::cross(a, b)) / std::max(glm::dot(a, a), glm::dot(end, end)));
   }
   const double reach = step_rad > 0 ? kFlat_rad / step_rad + kFlat_px : count;
-  if (3 * reach >= count) return {{0, count - 1}};
+  if (3 * reach >= count) return thinned_out({{0, count - 1}});
   const int wide = static_cast<int>(std::ceil(reach));
   std::vector<Run> runs = {{0, wide}, {count - 1 - wide, count - 1}};
   for (const auto& [a, b] : rays)
@@ -58,7 +77,7 @@ std::vector<Run> extreme_runs(const std::vector<std::pair<Vec, Vec>>& rays, int 
       apart.back().last = std::max(apart.back().last, run.last);
     else
       apart.push_back(run);
-  return apart;
+  return thinned_out(apart);
 }
 
 class Look {
@@ -109,15 +128,18 @@ class Look {
 
   void take(int line, const Run& run, plan::ViewBounds& bounds) const {
     const int width = pixels_per_group(instrument_);
-    for (int index = run.first / width; index <= run.last / width; ++index) {
-      const auto group = make_ray_group(instrument_, line, index, moving_);
-      for (int sample = std::max(run.first, index * width); sample <= std::min(run.last, index * width + width - 1);
-           ++sample)
-        for (const auto& [u, v] : places_)
-          take(line, sample,
-               exact_vector(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact_vector(group.du) +
-                   v * exact_vector(group.dv),
-               bounds);
+    int made = -1;
+    shared::RayGroup group{};
+    for (int sample = run.first; sample <= run.last; sample += run.step) {
+      if (const int index = sample / width; index != made) {
+        group = make_ray_group(instrument_, line, index, moving_);
+        made = index;
+      }
+      for (const auto& [u, v] : places_)
+        take(line, sample,
+             exact_vector(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact_vector(group.du) +
+                 v * exact_vector(group.dv),
+             bounds);
     }
   }
 
@@ -151,6 +173,13 @@ class Look {
   std::array<std::pair<double, double>, 5> places_;  ///< of a pixel, where its rays are looked at
 };
 
+/// Places that were not looked at may be higher by rounding.
+void widen(plan::ViewBounds& bounds) {
+  bounds.sec_min = std::max(1.0, bounds.sec_min * (1 - kFloatStep)), bounds.sec_max *= 1 + kFloatStep;
+  bounds.x_min -= kFloatStep, bounds.x_max += kFloatStep;
+  bounds.y_min -= kFloatStep, bounds.y_max += kFloatStep;
+}
+
 }  // namespace
 
 plan::ViewBounds view_bounds(const scene::Instrument& given) {
@@ -160,12 +189,17 @@ plan::ViewBounds view_bounds(const scene::Instrument& given) {
   plan::ViewBounds bounds{kInfinity, -kInfinity, kInfinity, -kInfinity, kInfinity, -kInfinity, 0};
   make_ray_groups(instrument, 0, 0);  // refuses poses that do not match the image
   const Look look(instrument);
+  bool not_all = false;
   for (const Run& lines : look.lines())
-    for (int line = lines.first; line <= lines.last; ++line) {
+    for (int line = lines.first; line <= lines.last; line += lines.step) {
       base::throw_if_interrupted();
       if (look.as_before(line)) continue;
-      for (const Run& run : look.samples(line)) look.take(line, run, bounds);
+      for (const Run& run : look.samples(line)) {
+        look.take(line, run, bounds);
+        not_all = not_all || lines.step > 1 || run.step > 1;
+      }
     }
+  if (not_all) widen(bounds);
   bounds.sensor_x_min = bounds.sensor_y_min = kInfinity;
   bounds.sensor_x_max = bounds.sensor_y_max = -kInfinity;
   for (const auto& pose : instrument.poses) {

@@ -243,5 +243,15 @@ with tempfile.TemporaryDirectory() as work:
     broom = scene(work, "broom.toml", pixels=100000, lines=100000)
     broom.write_text(broom.read_text().replace('"framing"', '"whiskbroom"').replace("gsd_m = 1.0", "gsd_m = 0.005"))
     limited("scene", "check", broom, status=2, says="instrument needs more than 1e8 poses")
+    # An image that no disk holds is refused before a ray of it is looked along, whatever looks.
+    for kind in ("framing", "pushbroom"):
+        vast = scene(work, "vast.toml", pixels=1000000, lines=10000000)
+        vast.write_text(vast.read_text().replace('"framing"', f'"{kind}"').replace("gsd_m = 1.0", "gsd_m = 1e-7"))
+        for verb in (("scene", "check"), ("plan",), ("render", "--dry-run")):
+            limited(*verb, vast, status=2, says="at most 2^36 pixels")
+    # One that is all flat, of a telescope far away, is bounded by a part of its pixels: an hour's walk otherwise.
+    flat = scene(work, "flat.toml", pixels=60000, lines=60000)
+    flat.write_text(flat.read_text().replace("gsd_m = 1.0", "gsd_m = 1e-6"))
+    check("sound" in program.run("scene", "check", flat).stdout)
     shutil.rmtree(work / "folder")
 print(f"input limits: {program.checks} checks")

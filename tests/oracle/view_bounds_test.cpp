@@ -5,6 +5,7 @@
 #include <cmath>
 #include <csignal>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -118,6 +119,27 @@ TEST_CASE("an image of 1e10 pixels is bounded without a walk over every pixel") 
   c.poses.assign(100000, {0, 0, 500, 1, 2, 37});
   for (int line = 0; line < 100000; ++line) c.poses[static_cast<std::size_t>(line)].y_m = 0.005 * line;
   sensors::view_bounds(c);
+}
+
+TEST_CASE("a telescope's image, all of it flat, is bounded by some of its pixels, and no pixel lies outside") {
+  constexpr double kRounding = 4e-7;  // of a direction to floats (host/sensors/view_bounds.cpp)
+  auto c = camera(scene::InstrumentKind::framing, 3000, 2500, 1e-7, 1e-7);
+  for (const double tilt_deg : {0.0, 20.0, 60.0}) {
+    CAPTURE(tilt_deg);
+    c.poses = {{0, 0, 500, 3, tilt_deg, 37}};
+    const auto found = sensors::view_bounds(c), wanted = walked(c);
+    const auto holds = [](double wider, double walk) { CHECK((wider >= walk && wider - walk <= 2 * kRounding)); };
+    holds(wanted.sec_min / found.sec_min, 1), holds(-found.x_min, -wanted.x_min), holds(-found.y_min, -wanted.y_min);
+    holds(found.sec_max / wanted.sec_max, 1), holds(found.x_max, wanted.x_max), holds(found.y_max, wanted.y_max);
+  }
+  const testing::Patience patience("the bounds of 2^32 pixels in 7e-5 rad: moments, and minutes pixel by pixel");
+  c = camera(scene::InstrumentKind::framing, 65536, 65536, 1e-9, 1e-9);
+  c.poses = {{0, 0, 500, 0, 20, 0}};
+  // Closed form: the ends of a field of 65536 nrad about 20 deg.
+  const auto bounds = sensors::view_bounds(c);
+  const double middle = 20 * std::numbers::pi / 180, half = std::atan(0.5 * 65536e-9);
+  CHECK(bounds.sec_min == doctest::Approx(1 / std::cos(middle - half)).epsilon(2e-6));
+  CHECK(bounds.sec_max == doctest::Approx(1 / std::cos(middle + half)).epsilon(2e-6));
 }
 
 TEST_CASE("a ray that looks up is refused though few pixels are looked at; Ctrl-C ends it") {
