@@ -3,6 +3,8 @@
 // and pulses know it.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -13,9 +15,9 @@ namespace raycube::scene {
 /// Heights at the middles of the texels of an image that repeats without end, linear between them.
 class Relief {
  public:
-  /// height: row by row from the image's first row, which is the uppermost: m, or, by texture coordinates and of
-  /// normals, sides of a texel. texel_m 0: it lies by texture coordinates.
-  Relief(int columns, int rows, double texel_m, bool in_texels, std::vector<double> height);
+  /// height: of texels, row by row from the image's first row, which is the uppermost: m, or, by texture coordinates
+  /// and of normals, sides of a texel. texel_m 0: it lies by texture coordinates.
+  Relief(int columns, int rows, double texel_m, bool in_texels, std::function<double(std::size_t)> height);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
@@ -30,15 +32,19 @@ class Relief {
   int columns_, rows_;
   double texel_m_;
   bool in_texels_;
-  std::vector<double> height_;
+  std::function<double(std::size_t)> height_;  ///< from the image's own numbers, which are smaller than heights
+};
+
+/// Per texel.
+struct Slope {
+  double to_right = 0, up = 0;
 };
 
 /// Heights whose slopes are nearest to these by least squares, over an image that repeats, of mean 0: Frankot and
-/// Chellappa, IEEE Trans. PAMI 10(4), 1988, equation 21. Slopes per texel, to the right and up, row by row from the
-/// uppermost; heights in texels. A mean slope, which no image that repeats can have, and any swirl are left out.
-/// Exact for heights without waves of two texels.
-std::vector<double> heights_of_slopes(int columns, int rows, const std::vector<double>& to_right,
-                                      const std::vector<double>& up);
+/// Chellappa, IEEE Trans. PAMI 10(4), 1988, equation 21. Slopes of texels row by row from the uppermost; heights in
+/// texels. A mean slope, which no image that repeats can have, and any swirl are left out. Exact for heights without
+/// waves of two texels.
+std::vector<double> heights_of_slopes(int columns, int rows, const std::function<Slope(std::size_t)>& slope);
 
 /// [material.bump] or [material.normals]; nullopt where a material has neither, or after reporting.
 std::optional<Relief> read_relief(const Record& material, base::Problems& problems);

@@ -250,7 +250,7 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
   const auto known = numbered_materials(record, materials, problems);
   std::vector<std::uint32_t> out(grid.cell_count(), 0);
   const Where where = record.place("class_map");
-  const auto map = read_raster(record.text("class_map"), 1, 1, NoData::mark, where, problems);
+  const auto map = read_raster(record.text("class_map"), {}, where, problems);
   if (!map) return out;
   const auto pixel = pixels_of(grid, *map, parts, where, problems);
   if (!pixel) return out;
@@ -289,7 +289,7 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
                                             SceneParts& parts, Problems& problems) {
   std::vector<std::uint32_t> out(grid.cell_count(), 0);
   const Where where = record.place("mixture_map");
-  const auto map = read_raster(record.text("mixture_map"), 1, 0, NoData::mark, where, problems);
+  const auto map = read_raster(record.text("mixture_map"), {.count = 0}, where, problems);
   const auto known = numbered_materials(record, materials, problems);
   if (!map) return out;
   for (int band = 1; band <= map->band_count; ++band)
@@ -413,8 +413,9 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
                  record.given("material") ? "'materials' goes with class_map or mixture_map" : "'materials' is missing",
                  "", record.given("material") ? "remove it" : "name the material of each class or band");
   const auto rule = record.text("nodata") == "interpolate" ? NoData::interpolate : NoData::mark;
-  const auto raster = read_raster(record.text("raster"), static_cast<int>(record.integer("band")), 1, rule,
-                                  record.place("raster"), problems);
+  const auto raster =
+      read_raster(record.text("raster"), {.first_band = static_cast<int>(record.integer("band")), .nodata = rule},
+                  record.place("raster"), problems);
   if (!raster) return;
   if (raster->columns < 2 || raster->rows < 2) {
     problems.add(record.place("raster"), "a terrain needs at least 2 x 2 posts",

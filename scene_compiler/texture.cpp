@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "host/base/units.h"
 #include "scene_compiler/counter_random.h"
@@ -35,34 +36,66 @@ std::vector<std::size_t> ordered(std::size_t count, Before before) {
 }
 
 /// Mean and standard deviation of all.
-std::pair<double, double> moments(const std::vector<double>& values) {
+template <class Values>
+std::pair<double, double> moments(const Values& values) {
   const auto count = static_cast<double>(values.size());
-  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
-  double square = 0;
-  for (const double value : values) square += (value - mean) * (value - mean);
+  double sum = 0, square = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) sum += values[i];
+  const double mean = sum / count;
+  for (std::size_t i = 0; i < values.size(); ++i) square += (values[i] - mean) * (values[i] - mean);
   return {mean, std::sqrt(square / count)};
 }
 
-std::vector<std::uint16_t> by_rank(const std::vector<double>& texels, const std::vector<std::size_t>& darkest_first) {
+/// Members that share texels evenly by rank, darkest first.
+class Ranks {
+ public:
+  Ranks(std::size_t texels, std::size_t members) : texels_(texels), members_(members) {}
+  /// Which member the texel of a rank has, and the first rank that has one.
+  std::size_t member(std::size_t rank) const { return (2 * rank + 1) * members_ / (2 * texels_); }
+  std::size_t first(std::size_t member) const { return (2 * texels_ * member + members_ - 1) / members_ / 2; }
+
+ private:
+  std::size_t texels_, members_;
+};
+
+/// Puts equal texels, whose ranks start at `rank`, in an order by chance as far as that decides on their members.
+void order_by_chance(std::span<std::uint32_t> texels, std::size_t rank, const Ranks& ranks) {
   constexpr std::uint64_t kSeed = 0x7e97;
-  const auto places = ordered(texels.size(), [&](std::size_t a, std::size_t b) {
-    if (texels[a] != texels[b]) return texels[a] < texels[b];
-    const double chance_a = counter_uniform(kSeed, 0, a, 0), chance_b = counter_uniform(kSeed, 0, b, 0);
-    return chance_a != chance_b ? chance_a < chance_b : a < b;
-  });
-  std::vector<std::uint16_t> out(texels.size());
+  if (texels.empty()) return;
+  const std::size_t darkest = ranks.member(rank), brightest = ranks.member(rank + texels.size() - 1);
+  if (darkest == brightest) return;
+  const std::size_t cut = ranks.first((darkest + brightest + 1) / 2) - rank;
+  std::nth_element(texels.begin(), texels.begin() + static_cast<std::ptrdiff_t>(cut), texels.end(),
+                   [](std::uint32_t a, std::uint32_t b) {
+                     const double chance_a = counter_uniform(kSeed, 0, a, 0),
+                                  chance_b = counter_uniform(kSeed, 0, b, 0);
+                     return chance_a != chance_b ? chance_a < chance_b : a < b;
+                   });
+  order_by_chance(texels.first(cut), rank, ranks);
+  order_by_chance(texels.subspan(cut), rank + cut, ranks);
+}
+
+std::vector<std::uint16_t> by_rank(const BandValues& texels, const std::vector<std::size_t>& darkest_first) {
+  std::vector<std::uint32_t> places = texels.ascending();
+  const Ranks ranks(places.size(), darkest_first.size());
+  for (std::size_t first = 0, end = 0; first < places.size(); first = end) {
+    while (end < places.size() && texels[places[end]] == texels[places[first]]) ++end;
+    order_by_chance(std::span(places).subspan(first, end - first), first, ranks);
+  }
+  std::vector<std::uint16_t> out(places.size());
   for (std::size_t rank = 0; rank < places.size(); ++rank)
-    out[places[rank]] =
-        static_cast<std::uint16_t>(darkest_first[(2 * rank + 1) * darkest_first.size() / (2 * texels.size())]);
+    out[places[rank]] = static_cast<std::uint16_t>(darkest_first[ranks.member(rank)]);
   return out;
 }
 
-std::vector<std::uint16_t> by_deviations(const std::vector<double>& texels, const std::vector<double>& brightness,
+std::vector<std::uint16_t> by_deviations(const BandValues& texels, const std::vector<double>& brightness,
                                          const std::vector<std::size_t>& darkest_first) {
   const auto [texel_mean, texel_sd] = moments(texels);
   const auto [mean, sd] = moments(brightness);
   std::vector<std::uint16_t> out;
-  for (const double texel : texels) {
+  out.reserve(texels.size());
+  for (std::size_t t = 0; t < texels.size(); ++t) {
+    const double texel = texels[t];
     const double wanted = mean + (texel_sd > 0 ? (texel - texel_mean) / texel_sd : 0) * sd;
     auto next = std::lower_bound(darkest_first.begin(), darkest_first.end(), wanted,
                                  [&](std::size_t member, double value) { return brightness[member] < value; });
@@ -109,13 +142,11 @@ std::vector<std::vector<double>> band_means(const Record& texture, const std::ve
 }
 
 /// The members whose means are nearest to what an image of reflectances shows.
-std::vector<std::uint16_t> nearest_to(Raster image, double white, std::vector<std::vector<double>> means,
+std::vector<std::uint16_t> nearest_to(const Raster& image, double white, std::vector<std::vector<double>> means,
                                       const Record& texture) {
-  for (auto& band : image.bands)
-    for (double& value : band) value /= white;
   if (texture.text("encoding") == "srgb")  // the image has been encoded already
     for (auto& band : means) std::transform(band.begin(), band.end(), band.begin(), srgb);
-  return nearest_members(image.bands, means);
+  return nearest_members(image.bands, white, means);
 }
 
 /// The image's value of reflectance 1: as given, else the largest number of its bits. nullopt after reporting where its
@@ -123,7 +154,7 @@ std::vector<std::uint16_t> nearest_to(Raster image, double white, std::vector<st
 std::optional<double> known_white(const Record& texture, const Raster& image, Problems& problems) {
   if (texture.given("white")) return texture.number("white");
   double most = 0;
-  for (const auto& band : image.bands) most = std::max(most, *std::max_element(band.begin(), band.end()));
+  for (const BandValues& band : image.bands) most = std::max(most, band.least_and_most().second);
   const double white = white_of(image);
   if (white > 0 && most > 0.02 * white) return white;
   problems.add(texture.place("image"), "the image's value of reflectance 1 is not known",
@@ -154,9 +185,14 @@ bool asks_for_one_choice(const Record& texture, Problems& problems) {
 
 }  // namespace
 
-std::optional<Raster> read_image(const Record& record, int bands, Problems& problems) {
-  auto image = read_raster(record.text("image"), static_cast<int>(record.integer("band")), bands, NoData::mark,
-                           record.place("image"), problems, Transparent::has_a_value, bands * kMostTexels);
+std::optional<Raster> read_image(const Record& record, int bands, double made_bytes, Problems& problems) {
+  auto image = read_raster(record.text("image"),
+                           {.first_band = static_cast<int>(record.integer("band")),
+                            .count = bands,
+                            .transparent = Transparent::has_a_value,
+                            .most_pixels = std::min(bands * kMostTexels, kMostPixels),
+                            .made_bytes = made_bytes},
+                           record.place("image"), problems);
   if (!image) return std::nullopt;
   if (image->declared[0].palette) {
     problems.add({image->file, 0, 0, ""}, "the picture's values are numbers of a palette's colours", "a palette",
@@ -174,11 +210,9 @@ std::optional<Raster> read_image(const Record& record, int bands, Problems& prob
   }
   if (image->georeferenced && image->transform[5] > 0) {  // rows from south to north
     problems.tell({image->file, 0, 0, ""}, "its first row is the southern one, as its map coordinates say");
-    for (std::vector<double>& values : image->bands)
-      for (int row = 0; row < image->rows / 2; ++row)
-        std::swap_ranges(values.begin() + std::ptrdiff_t{row} * image->columns,
-                         values.begin() + std::ptrdiff_t{row + 1} * image->columns,
-                         values.end() - std::ptrdiff_t{row + 1} * image->columns);
+    const auto columns = static_cast<std::size_t>(image->columns), rows = static_cast<std::size_t>(image->rows);
+    for (BandValues& values : image->bands)
+      values.reorder([&](std::size_t i) { return (rows - 1 - i / columns) * columns + i % columns; });
   }
   return image;
 }
@@ -193,7 +227,7 @@ std::uint32_t Texture::at(double u, double v) const {
   return numbers_[(static_cast<std::size_t>(rows_) - 1 - up) * static_cast<std::size_t>(columns_) + column];
 }
 
-std::vector<std::uint16_t> choose_members(const std::vector<double>& texels, const std::vector<double>& brightness,
+std::vector<std::uint16_t> choose_members(const BandValues& texels, const std::vector<double>& brightness,
                                           TexelChoice choice) {
   const auto darkest_first = ordered(brightness.size(), [&](std::size_t a, std::size_t b) {
     return brightness[a] != brightness[b] ? brightness[a] < brightness[b] : a < b;
@@ -202,24 +236,25 @@ std::vector<std::uint16_t> choose_members(const std::vector<double>& texels, con
                                      : by_deviations(texels, brightness, darkest_first);
 }
 
-std::vector<std::uint16_t> nearest_members(const std::vector<std::vector<double>>& reflectance,
+std::vector<std::uint16_t> nearest_members(const std::vector<BandValues>& bands, double white,
                                            const std::vector<std::vector<double>>& means) {
-  const std::size_t bands = means.size(), members = means[0].size();
+  const std::size_t members = means[0].size();
   std::vector<std::uint16_t> out;
+  out.reserve(bands[0].size());
   std::map<std::vector<double>, std::uint16_t> known;  // a picture has fewer colours than texels
-  std::vector<double> texel(bands);
+  std::vector<double> texel(bands.size());
   const auto nearest = [&] {
     double least = std::numeric_limits<double>::infinity();
     std::uint16_t found = 0;
     for (std::size_t m = 0; m < members; ++m) {
       double square = 0;
-      for (std::size_t b = 0; b < bands; ++b) square += (means[b][m] - texel[b]) * (means[b][m] - texel[b]);
+      for (std::size_t b = 0; b < texel.size(); ++b) square += (means[b][m] - texel[b]) * (means[b][m] - texel[b]);
       if (square < least) least = square, found = static_cast<std::uint16_t>(m);
     }
     return found;
   };
-  for (std::size_t t = 0; t < reflectance[0].size(); ++t) {
-    for (std::size_t b = 0; b < bands; ++b) texel[b] = reflectance[b][t];
+  for (std::size_t t = 0; t < bands[0].size(); ++t) {
+    for (std::size_t b = 0; b < texel.size(); ++b) texel[b] = bands[b][t] / white;
     const auto entry = known.find(texel);
     out.push_back(entry != known.end() ? entry->second : nearest());
     if (entry == known.end() && known.size() < kColoursKnown) known.emplace(texel, out.back());
@@ -252,15 +287,15 @@ std::optional<Texture> read_texture(const Record& texture, const std::vector<Mat
   if (!asks_for_one_choice(texture, problems)) return std::nullopt;
   const auto means = band_means(texture, members, problems);
   if (means.empty()) return std::nullopt;
-  auto image = read_image(texture, static_cast<int>(means.size()), problems);
-  if (!image) return std::nullopt;
   const std::string& choice = texture.text("choose");
+  const double made_bytes = sizeof(std::uint16_t) + (choice == "rank" ? sizeof(std::uint32_t) : 0);
+  const auto image = read_image(texture, static_cast<int>(means.size()), made_bytes, problems);
+  if (!image) return std::nullopt;
   const double texel_m = texture.given("texel_m") ? texture.number("texel_m") : 0;
   if (choice == "nearest") {
     const auto white = known_white(texture, *image, problems);
     if (!white) return std::nullopt;
-    const int columns = image->columns, rows = image->rows;
-    return Texture(columns, rows, texel_m, nearest_to(std::move(*image), *white, means, texture));
+    return Texture(image->columns, image->rows, texel_m, nearest_to(*image, *white, means, texture));
   }
   return Texture(
       image->columns, image->rows, texel_m,
@@ -268,15 +303,15 @@ std::optional<Texture> read_texture(const Record& texture, const std::vector<Mat
 }
 
 std::optional<Texture> read_mask(const Record& mask, Problems& problems) {
-  const auto image = read_image(mask, 1, problems);
+  const auto image = read_image(mask, 1, sizeof(std::uint16_t), problems);
   if (!image) return std::nullopt;
-  const std::vector<double>& values = image->bands[0];
-  const double most = *std::max_element(values.begin(), values.end());
+  const BandValues& values = image->bands[0];
+  const double most = values.least_and_most().second;
   const double least = mask.given("least") ? mask.number("least")
                        : most > 0          ? 0.5 * most
                                            : std::numeric_limits<double>::infinity();
-  std::vector<std::uint16_t> something;
-  for (const double value : values) something.push_back(value >= least ? 1 : 0);
+  std::vector<std::uint16_t> something(values.size());
+  for (std::size_t t = 0; t < something.size(); ++t) something[t] = values[t] >= least ? 1 : 0;
   if (std::find(something.begin(), something.end(), 1) == something.end()) {
     problems.add(mask.place("image"), "the mask leaves nothing",
                  "values up to " + number_text(most) + " in band " + std::to_string(mask.integer("band")),

@@ -9,12 +9,14 @@
 
 #include "scene_compiler/compiled_scene.h"
 #include "scene_compiler/document.h"
+#include "scene_compiler/band_values.h"
 
 namespace raycube::scene {
 
 struct Raster;
-/// Bands of the image that a record of `image` and `band` names, whole; nullopt after reporting.
-std::optional<Raster> read_image(const Record& record, int bands, base::Problems& problems);
+/// Bands of the image that a record of `image` and `band` names, whole; nullopt after reporting. made_bytes: what the
+/// caller makes of a texel while it holds them.
+std::optional<Raster> read_image(const Record& record, int bands, double made_bytes, base::Problems& problems);
 
 /// A number for each texel of an image that repeats without end: of a texture the member of a family, from 0, of a mask
 /// 1 where there is something.
@@ -44,12 +46,12 @@ enum class TexelChoice {
 
 /// Member of each texel by its brightness. brightness: of each member, in the image's band. Of equal texels chance
 /// decides by rank; a brighter texel never has a darker member.
-std::vector<std::uint16_t> choose_members(const std::vector<double>& texels, const std::vector<double>& brightness,
+std::vector<std::uint16_t> choose_members(const BandValues& texels, const std::vector<double>& brightness,
                                           TexelChoice choice);
 
-/// Member of each texel whose reflectances are nearest, by squares; of several the first. reflectance: of each band, of
-/// each texel; means: of each band, of each member.
-std::vector<std::uint16_t> nearest_members(const std::vector<std::vector<double>>& reflectance,
+/// Member of each texel whose reflectances are nearest, by squares; of several the first. bands: of each the texels'
+/// values, `white` those of reflectance 1; means: of each band, of each member.
+std::vector<std::uint16_t> nearest_members(const std::vector<BandValues>& bands, double white,
                                            const std::vector<std::vector<double>>& means);
 
 /// Mean of a curve from one wavelength to another, um, by trapezoids over its own points.

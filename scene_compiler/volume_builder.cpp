@@ -80,7 +80,7 @@ void read_csv_values(const Record& record, Volume& out, Problems& problems) {
 void read_raster_values(const Record& record, Volume& out, Problems& problems) {
   if (record.given("cells"))
     problems.add(record.place("cells"), "'cells' goes with a CSV", "", "remove it: a raster tells its own");
-  const auto raster = read_raster(record.text("values"), 1, 0, NoData::mark, record.place("values"), problems);
+  const auto raster = read_raster(record.text("values"), {.count = 0}, record.place("values"), problems);
   if (!raster) return;
   out.cells = {raster->columns, raster->rows, static_cast<int>(raster->bands.size())};
   if (std::int64_t{out.cells[0]} * out.cells[1] * out.cells[2] > kMostCells) {

@@ -136,16 +136,16 @@ GdalBand describe_band(GDALRasterBandH band) {
   return out;
 }
 
-bool read_rows(GDALRasterBandH band, const GdalBand& described, int first_row, int rows, std::vector<double>& values,
-               std::vector<Pixel>& known) {
+bool read_numbers(GDALRasterBandH band, const GdalBand& described, int first_row, int rows,
+                  std::vector<double>& numbers, std::vector<Pixel>& known) {
   const int columns = gdal().GDALGetRasterBandXSize(band);
   const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-  values.resize(count);
+  numbers.resize(count);
   known.assign(count, Pixel::sound);
   const auto read = [&](GDALRasterBandH from, void* to, GDALDataType type) {
     return gdal().GDALRasterIO(from, GF_Read, 0, first_row, columns, rows, to, columns, rows, type, 0, 0) == CE_None;
   };
-  if (!read(band, values.data(), GDT_Float64)) return false;
+  if (!read(band, numbers.data(), GDT_Float64)) return false;
   if (!described.mask.empty()) {
     std::vector<unsigned char> mask(count);
     if (!read(gdal().GDALGetMaskBand(band), mask.data(), GDT_Byte)) return false;
@@ -154,14 +154,19 @@ bool read_rows(GDALRasterBandH band, const GdalBand& described, int first_row, i
       if (mask[i] == 0) known[i] = alpha ? Pixel::transparent : Pixel::missing;
   }
   if (described.signed_bytes)
-    for (double& value : values) value -= value > 127 ? 256 : 0;
+    for (double& number : numbers) number -= number > 127 ? 256 : 0;
   // Beside an alpha band GDAL's mask leaves the nodata value out; and it takes one that the band's type cannot hold for
   // another.
   const bool no_data = described.mask.starts_with("nodata");
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(values[i]) || (no_data && values[i] == described.no_data)) known[i] = Pixel::missing;
-    values[i] = described.scale * values[i] + described.offset;
-  }
+  for (std::size_t i = 0; i < count; ++i)
+    if (!std::isfinite(numbers[i]) || (no_data && numbers[i] == described.no_data)) known[i] = Pixel::missing;
+  return true;
+}
+
+bool read_rows(GDALRasterBandH band, const GdalBand& described, int first_row, int rows, std::vector<double>& values,
+               std::vector<Pixel>& known) {
+  if (!read_numbers(band, described, first_row, rows, values, known)) return false;
+  for (double& value : values) value = described.scale * value + described.offset;
   return true;
 }
 

@@ -31,8 +31,11 @@ enum class Pixel : unsigned char {
   sound
 };
 
-/// `rows` whole rows from `first_row`: values, scaled, and what is known of each. False with GDAL's word in
+/// `rows` whole rows from `first_row`: the file's numbers, and what is known of each. False with GDAL's word in
 /// gdal_message() where they cannot be read.
+bool read_numbers(GDALRasterBandH band, const GdalBand& described, int first_row, int rows,
+                  std::vector<double>& numbers, std::vector<Pixel>& known);
+/// The same with values, scaled.
 bool read_rows(GDALRasterBandH band, const GdalBand& described, int first_row, int rows, std::vector<double>& values,
                std::vector<Pixel>& known);
 

@@ -4,9 +4,11 @@ memory and before they are built, with what they need and what there is. usage: 
 
 import base64
 import json
+import os
 import pathlib
 import resource
 import struct
+import subprocess
 import sys
 import tempfile
 import zlib
@@ -17,6 +19,7 @@ from driver import Program
 
 program = Program(sys.argv[1])
 check = program.check
+kProgram_MiB = 150  #: resident, of the program without a scene: 60, and room
 kSpace_bytes = 700 << 20  #: address space of each run; the program itself takes 150 MiB of it
 
 HEAD = """format = 1
@@ -76,16 +79,16 @@ def gltf(path, nodes, side=40):
     }))
 
 
-def png(path, width, height):
-    """A grey picture of one value, in some hundred kilobytes."""
+def png(path, width, height, bands=1):
+    """A grey picture of one value, or of normals that point upwards, in some hundred kilobytes."""
 
     def chunk(name, data):
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
     packed = zlib.compressobj(6)
-    row = b"\0" + b"\x80" * width
+    row = b"\0" + (b"\x80" if bands == 1 else b"\x80\x80\xff") * width
     data = b"".join(packed.compress(row) for _ in range(height)) + packed.flush()
-    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    head = struct.pack(">IIBBBBB", width, height, 8, 0 if bands == 1 else 2, 0, 0, 0)
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b""))
 
 
@@ -100,6 +103,15 @@ def limited(folder, text, says, space_bytes=kSpace_bytes):
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (space_bytes, space_bytes)),
     )
     return done.stderr
+
+
+def peak_MiB(*arguments):
+    """Resident, of the program or of the children that read for it, whichever took more."""
+    with subprocess.Popen([program.path, *arguments], stdout=subprocess.DEVNULL) as run:
+        _, status, used = os.wait4(run.pid, 0)
+        run.returncode = os.waitstatus_to_exitcode(status)
+    check(run.returncode == 0, run.returncode)
+    return used.ru_maxrss / 1024
 
 
 with tempfile.TemporaryDirectory() as made:
@@ -173,4 +185,23 @@ with tempfile.TemporaryDirectory() as made:
         program.run("scene", "check", folder / "scene.toml")
     (folder / "scene.toml").write_text(HEAD + MESH.format("few.gltf") + instance)
     program.run("scene", "check", folder / "scene.toml")
+    # Pictures are held in the bytes of their file until members of 2 bytes a texel are made of them, by rank
+    # with places of 4 bytes; heights of 8 are made of normals by two spectra of 8 each.
+    png(folder / "large.png", 8192, 8192)
+    png(folder / "colour.png", 4096, 4096, 3)
+    family = 'name = "m"\nfamily = "family.csv"\ntexture = {{ image = "{}", texel_m = 1.0, choose = "{}", {} }}'
+    one, three = "band_nm = [540, 560]", "band_nm = [440, 460, 540, 560, 640, 660]"
+    grey = 'name = "m"\nreflectance = 0.3'
+    for material, side, texel_bytes in (
+        (family.format("large.png", "rank", one), 8192, 7),
+        (family.format("large.png", "deviations", one), 8192, 3),
+        (family.format("colour.png", "nearest", three), 4096, 6),
+        (grey + '\nnormals = { image = "colour.png", texel_m = 1.0 }', 4096, 19),
+    ):
+        (folder / "scene.toml").write_text(HEAD.replace(grey, material))
+        most_MiB = texel_bytes * side**2 / 2**20 + kProgram_MiB
+        found_MiB = peak_MiB("scene", "check", folder / "scene.toml")
+        check(found_MiB < most_MiB, f"{found_MiB:.0f} MiB of {most_MiB:.0f}: {material}")
+    ranked = HEAD.replace(grey, family.format("large.png", "rank", one))
+    limited(folder, ranked, ["large.png", *memory], 550 << 20)
 print(f"memory sum: {program.checks} checks")

@@ -201,7 +201,7 @@ RC_FORMAT(plain_csv, "plain-csv")
 #undef RC_FORMAT
 
 void raster(const std::string& path) {
-  reported([&](base::Problems& p) { scene::read_raster(path, 1, 0, scene::NoData::mark, {}, p); });
+  reported([&](base::Problems& p) { scene::read_raster(path, {.count = 0}, {}, p); });
 }
 /// The header; its data are 50 bytes.
 void raster_header(const std::string& path) {

@@ -110,7 +110,7 @@ TEST_CASE(
     CAPTURE(file);
     const std::string path = *shared + "/data/dem/" + file;
     base::Problems problems;
-    const auto raster = read_raster(path, 1, 1, NoData::mark, {}, problems);
+    const auto raster = read_raster(path, {}, {}, problems);
     REQUIRE(raster);
     CHECK(raster->bands[0][0] == 109);
     CHECK(raster->bands[0][128 * 256 + 128] == 368);

@@ -18,9 +18,11 @@ TEST_CASE("a raster is read by a child that has GDAL from this process, which lo
   const Folder folder;
   const std::string file = folder.write("dem.asc", ascii_grid(2, 2, 0, 0, 1, {1, 2, 3, 4}));
   base::Problems problems;
-  const auto raster = read_raster(file, 1, 1, NoData::mark, {}, problems);
+  const auto raster = read_raster(file, {}, {}, problems);
   REQUIRE(raster);
-  CHECK(raster->bands == std::vector<std::vector<double>>{{1, 2, 3, 4}});
+  REQUIRE(raster->bands.size() == 1);
+  REQUIRE(raster->bands[0].size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(raster->bands[0][i] == double(i + 1));
   std::ostringstream libraries;
   libraries << std::ifstream("/proc/self/maps").rdbuf();
   CHECK(libraries.str().find("/libgdal.so") != std::string::npos);
