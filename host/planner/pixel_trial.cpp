@@ -34,8 +34,8 @@ constexpr int kFewestDraws = 64;
 constexpr int kMorePaths = 4;
 constexpr int kPathsPerTwo[] = {1, 2, 4, kMostPathsPerTwo};
 constexpr double kWorthSharing = 0.9;
-/// The law of paths' errors does not know how evenly so many fall: more of them that it finds at most so much slower for
-/// an error are rendered too.
+/// The law of paths' errors does not know how evenly so many fall: more of them that it finds at most so much slower
+/// for an error are rendered too.
 constexpr double kNearlyAsFast = 1.25;
 constexpr int kReferences = 4;  ///< renders of each reference that a draw is held against, where that is quick
 

@@ -29,10 +29,10 @@ class Analysis:
         self.program = program
 
     def close(self, a, b, relative=1e-9, what=""):
-        """To `relative` of the largest; not a number in the same places."""
+        """To `relative` of the largest; where all are zero, zero; not a number in the same places."""
         a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
         self.program.check(a.shape == b.shape, what, a.shape, b.shape)
-        off = np.nanmax(np.abs(a - b)) / np.nanmax(np.abs(b))
+        off = np.nanmax(np.abs(a - b)) / (np.nanmax(np.abs(b)) or 1)
         self.program.check(off <= relative and np.array_equal(np.isnan(a), np.isnan(b)), what, off)
 
     def run(self, folder, verb, cube, *more, picture=False):

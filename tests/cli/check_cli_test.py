@@ -137,8 +137,8 @@ with tempfile.TemporaryDirectory() as folder:
     ).stdout
     check("first hits of" not in other and other.endswith("check: within limits\n"), other)
 
-    # Beyond a limit: one sky direction cannot hold a tolerance of 1 % below trees. Status 1, the reason on a line of its
-    # own, the files written all the same.
+    # Beyond a limit: one sky direction cannot hold a tolerance of 1 % below trees. Status 1, the reason on a line of
+    # its own, the files written all the same.
     toml = garden.read_text()
     noisy, changed = re.subn(r"(?m)^sky_directions\s*=.*$", "sky_directions = 1", toml)
     check(changed == 1, toml)

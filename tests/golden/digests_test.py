@@ -13,9 +13,9 @@ its own is held to the record of that set. AVX-512 is held to AVX2's: all 259 pr
 bits on an AMD EPYC with AVX-512 (family 25, model 17; 2026-11-30, kernels for skylake-avx512), on Intel's as Bochs
 emulates it (skylake-x; host, Embree and C library on that processor, too), and where both were recorded on one
 processor (commits d60c6427, 7ef013b3, e6fad690, ab96dadc), and no kernel takes what only one of them has (approximate
-reciprocals, above all, which differ between makers). Should they part, --set avx512 --write makes a record of its own. Where no record
-fits, some of the scenes are rendered in several ways that may not change a bit (threads, tiles, width of vectors) and
-compared with each other, which the last line says. Nothing is skipped.
+reciprocals, above all, which differ between makers). Should they part, --set avx512 --write makes a record of its own.
+Where no record fits, some of the scenes are rendered in several ways that may not change a bit (threads, tiles, width
+of vectors) and compared with each other, which the last line says. Nothing is skipped.
 
 --write records what is found instead of comparing; where bits were meant to move, the files of other sets are no longer
 true, and go. --set NAME compiles for a lesser set than the processor's. --within compares the ways alone. Left out:

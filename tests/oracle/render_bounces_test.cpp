@@ -160,7 +160,7 @@ TEST_CASE("S16 bounces: in a hollow sphere every point is lit alike by what was 
   }
   test::place(simulation.scene, walls);
   finish_top_tree(simulation.scene);
-  simulation.sky_directions = 256;
+  simulation.sky_directions = 320;
   auto camera = test::nadir_camera(32, 32, 60, 0.03);
   camera.bands = narrow();
   camera.samples_u = camera.samples_v = 4;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "atmos_tables/clear_sky.h"
 #include "host/sensors/view_bounds.h"
@@ -83,7 +84,7 @@ TEST_CASE("S43 the stated standard error tells of the sky: against the spread of
   for (const Case& c : {Case{lattice, 64, 1, 1.25},
                         {lattice, 64, 0.5f, 1.25},
                         {lattice, 250, 1, 1.25},
-                        {grid, 64, 1, 1.3},
+                        {grid, 64, 1, std::numbers::sqrt2},
                         {jittered, 121, 0.5f, 1.25}}) {
     simulation.instruments[0].sampler = c.sampler;
     simulation.sky_directions = c.rays;
