@@ -54,8 +54,8 @@ def shifts(folder):
         for axis, wanted in (("samples", dx), ("lines", dy)):
             off, told = abs(found[axis] - wanted), found[axis + "_error"]
             program.check(off < 3 * told and off < 5e-3 and told < 5e-3, axis, wanted, found)
-    # Noise: errors as they are told, in the mean. 60 draws: their spread is known to 9 %, and over ten fields errors are
-    # told 10 to 20 % too large.
+    # Noise: errors as they are told, in the mean. 60 draws: their spread is known to 9 %, and over ten fields errors
+    # are told 10 to 20 % too large.
     moved, off, told = pixels(field, 150, 130, 0.3, 0.2), [], []
     for _ in range(60):
         noisy = moved + RNG.normal(0, 2, moved.shape)
