@@ -1,6 +1,7 @@
 # Lowest layer: hashing, sizes, log, progress, and output that is whole or absent.
 raycube_test(netcdf_size SOURCES unit/netcdf_size_test.cpp LIBS raycube::gdal LABELS fast)
 raycube_test(image_orientation SOURCES unit/image_orientation_test.cpp LIBS raycube_base LABELS fast)
+raycube_test(available_memory SOURCES unit/available_memory_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(base SOURCES unit/base_test.cpp LIBS raycube_base nlohmann_json::nlohmann_json LABELS fast)
 raycube_test(attitude SOURCES unit/attitude_test.cpp LIBS raycube::lidar raycube::sensors raycube::scene_compiler LABELS
   fast)

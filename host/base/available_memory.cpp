@@ -42,10 +42,10 @@ void take_less(AvailableMemory& least, std::uint64_t limit, std::uint64_t used, 
 }
 
 /// The limits of a group and of those above it. Files that a group has read count as used and can be given back.
-void take_cgroup(AvailableMemory& least, const fs::path& root, fs::path group, const char* limit_file,
+void take_cgroup(AvailableMemory& least, const fs::path& mount, fs::path group, const char* limit_file,
                  const char* used_file, const std::string& total) {
   for (int depth = 0; depth < 64; ++depth) {
-    const fs::path at = root / group.relative_path();
+    const fs::path at = mount / group.relative_path();
     const auto limit = number_in(at / limit_file), used = number_in(at / used_file);
     if (limit && used && *limit < (std::uint64_t{1} << 60)) {
       std::uint64_t kept = 0;
@@ -58,35 +58,36 @@ void take_cgroup(AvailableMemory& least, const fs::path& root, fs::path group, c
   }
 }
 
-void take_cgroups(AvailableMemory& least) {
-  std::ifstream in("/proc/self/cgroup");  // "0::/user.slice" of version 2, "5:memory:/user.slice" of 1
+void take_cgroups(AvailableMemory& least, const fs::path& root) {
+  std::ifstream in(root / "proc/self/cgroup");  // "0::/user.slice" of version 2, "5:memory:/user.slice" of 1
   for (std::string line; std::getline(in, line);) {
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1), group = line.substr(second + 1);
     if (controllers.empty())
-      take_cgroup(least, "/sys/fs/cgroup", group, "memory.max", "memory.current", "");
+      take_cgroup(least, root / "sys/fs/cgroup", group, "memory.max", "memory.current", "");
     else if (controllers.find("memory") != std::string::npos)
-      take_cgroup(least, "/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes", "total_");
+      take_cgroup(least, root / "sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes",
+                  "total_");
   }
 }
 
-void take_limit(AvailableMemory& least, int what, const char* used, const std::string& by) {
+void take_limit(AvailableMemory& least, const fs::path& root, int what, const char* used, const std::string& by) {
   rlimit limit{};
   if (::getrlimit(static_cast<__rlimit_resource>(what), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  take_less(least, limit.rlim_cur, 1024 * number_behind("/proc/self/status", used).value_or(0), by);
+  take_less(least, limit.rlim_cur, 1024 * number_behind(root / "proc/self/status", used).value_or(0), by);
 }
 
 }  // namespace
 
 std::string AvailableMemory::text() const { return format_bytes(bytes) + " " + by; }
 
-AvailableMemory available_memory() {
+AvailableMemory available_memory(const fs::path& root) {
   AvailableMemory least{std::numeric_limits<std::uint64_t>::max(), "free on this machine"};
-  if (const auto kibibytes = number_behind("/proc/meminfo", "MemAvailable:")) least.bytes = 1024 * *kibibytes;
-  take_cgroups(least);
-  take_limit(least, RLIMIT_AS, "VmSize:", "left by ulimit -v");
-  take_limit(least, RLIMIT_DATA, "VmData:", "left by ulimit -d");
+  if (const auto kibibytes = number_behind(root / "proc/meminfo", "MemAvailable:")) least.bytes = 1024 * *kibibytes;
+  take_cgroups(least, root);
+  take_limit(least, root, RLIMIT_AS, "VmSize:", "left by ulimit -v");
+  take_limit(least, root, RLIMIT_DATA, "VmData:", "left by ulimit -d");
   return least;
 }
 

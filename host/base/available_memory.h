@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 namespace raycube::base {
@@ -14,6 +15,7 @@ struct AvailableMemory {
 
 /// The least of the memory that Linux can free for new use (MemAvailable), what the limits of this process's cgroups
 /// (version 2 or 1, the process's own and those above it) leave, and what `ulimit -v` and `ulimit -d` leave.
-AvailableMemory available_memory();
+/// root: where /proc and /sys lie.
+AvailableMemory available_memory(const std::filesystem::path& root = "/");
 
 }  // namespace raycube::base
