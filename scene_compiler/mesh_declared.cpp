@@ -123,12 +123,6 @@ std::size_t gltf_faces(const nlohmann::json& json) {
   return faces;
 }
 
-/// What a text says of its unit.
-struct DeclaredUnit {
-  std::optional<double> metres;  ///< nullopt: it says nothing
-  std::string wrong;             ///< what it says that is no unit
-};
-
 /// A DXF's unit (DXF reference, HEADER, $INSUNITS).
 DeclaredUnit dxf_unit(const std::string& text) {
   constexpr double kSurveyFoot = 1200.0 / 3937;
@@ -303,15 +297,40 @@ std::optional<double> declared_unit_m(const std::string& text, const std::string
   return declared_unit(text, ending).metres;
 }
 
-std::optional<double> package_unit_m(const std::string& file) {
+namespace {
+
+/// The beginning of a part of a package (ISO/IEC 29500-2); none where it is not there.
+std::optional<std::string> part_of(const std::string& package, const std::string& name) {
   constexpr std::size_t kHead = 1 << 16;
-  const base::QuietGdal quiet;
-  VSILFILE* const model = base::gdal().VSIFOpenL(("/vsizip/{" + file + "}/3D/3dmodel.model").c_str(), "rb");
-  if (!model) return std::nullopt;
+  VSILFILE* const part = base::gdal().VSIFOpenL(("/vsizip/{" + package + "}/" + name).c_str(), "rb");
+  if (!part) return std::nullopt;
   std::string head(kHead, '\0');
-  head.resize(base::gdal().VSIFReadL(head.data(), 1, kHead, model));
-  base::gdal().VSIFCloseL(model);
-  return additive_unit(head, "model").metres;
+  head.resize(base::gdal().VSIFReadL(head.data(), 1, kHead, part));
+  base::gdal().VSIFCloseL(part);
+  return head;
+}
+
+/// The package's model, by the relationship of its root that starts a 3MF (3MF Core Specification, 2.1).
+std::string model_part(const std::string& relationships) {
+  std::string out;
+  visit_elements(relationships, [&](std::string_view name, std::string_view attributes) {
+    if (name != "Relationship" || !lower_case(attribute(attributes, "Type")).ends_with("/3dmodel")) return false;
+    out = attribute(attributes, "Target");
+    return true;
+  });
+  return out.substr(std::min(out.find_first_not_of('/'), out.size()));
+}
+
+}  // namespace
+
+DeclaredUnit package_unit(const std::string& file) {
+  const base::QuietGdal quiet;
+  const auto relationships = part_of(file, "_rels/.rels");
+  const std::string name = relationships ? model_part(*relationships) : "";
+  if (name.empty()) return {std::nullopt, "no relationship in _rels/.rels names a 3D model"};
+  const auto model = part_of(file, name);
+  if (!model) return {std::nullopt, "no part '" + name.substr(0, 80) + "', which _rels/.rels names"};
+  return additive_unit(*model, "model");
 }
 
 void check_mesh_text(const std::string& text, const std::string& ending, const std::string& file, Problems& problems) {

@@ -13,8 +13,12 @@ namespace raycube::scene {
 /// ending: ".dxf". nullopt: the text declares none.
 std::optional<double> declared_unit_m(const std::string& text, const std::string& ending);
 
-/// The same of a 3MF, whose model lies in a package; nullopt: none is found there. Called in a child process.
-std::optional<double> package_unit_m(const std::string& file);
+/// The same of a 3MF, whose package names its model. Called in a child process.
+struct DeclaredUnit {
+  std::optional<double> metres;  ///< none where it is wrong
+  std::string wrong;             ///< what stands in its place, or why none is found
+};
+DeclaredUnit package_unit(const std::string& file);
 
 /// Reports a text that is not all of what it declares: a DXF without its end, an OFF of another number of rows than it
 /// counts, a glTF with required extensions that would change its surfaces, a unit that is not known. Told: what a

@@ -119,7 +119,10 @@ void count_node(const aiScene& scene, const aiNode& node, Shown& shown) {
 /// What the file's own numbers are, by its ending and what Assimp 5.2.5 says of it.
 MeshFrame declared_frame(const aiScene& scene, const std::string& file) {
   const std::string ending = lower_case(std::filesystem::path(file).extension().string());
-  if (ending == ".3mf") return {'z', package_unit_m(file)};
+  if (ending == ".3mf") {
+    DeclaredUnit unit = package_unit(file);
+    return {'z', unit.metres, false, std::move(unit.wrong)};
+  }
   if (ending == ".gltf" || ending == ".glb") return {'y', 1.0};
   if (ending == ".3ds" || ending == ".dxf" || ending == ".ase") return {'z', std::nullopt};
   if (ending == ".x3d" || ending == ".wrl") return {'y', 1.0};
@@ -189,7 +192,7 @@ void read_by_assimp(const std::string& file, const std::string& text,
   if (shown.bytes() > room_bytes) return;
   const MeshFrame declared = declared_frame(*scene, file);
   parcel.value(declared.up.value_or('\0')), parcel.value(declared.unit_m.value_or(0));
-  parcel.value(declared.upside_down);
+  parcel.value(declared.upside_down), parcel.text(declared.wrong_unit);
   send_node(*scene, *scene->mRootNode, aiMatrix4x4(), parcel);
   parcel.value(false);
 }
@@ -299,7 +302,7 @@ class Importer {
     }
     if (kept) return;
     if (request_.strict)
-      report(element, "face has no area", std::to_string(corner_count) + " corners",
+      report(element, "face has no area", base::counted(corner_count, "corner"),
              "remove it, or set scene.strict = false to drop such faces");
     if (out.dropped_faces++ == 0) out.first_dropped = element;
   }
@@ -397,6 +400,10 @@ bool add_by_assimp(Importer& reader, const std::string& file, const std::string&
                  "write it with an axis that points up, for instance by Blender");
     return false;
   }
+  if (const std::string wrong = read.text(); !wrong.empty()) {
+    problems.add({file, 0, 0, ""}, "the file's unit of lengths is not known", wrong, "write the mesh in metres");
+    return false;
+  }
   if (const auto unit_m = declared_unit_m(text, ending)) declared.unit_m = unit_m;
   tell_of_silence(declared, ending, request, file, problems);
   reader.set_frame(declared, assimp_turns(ending));
@@ -472,8 +479,9 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, const MeshReques
                   counted(wanted - reader.out.faces, "face") + " of " + std::to_string(wanted) + " lost by Assimp");
   if (reader.out.mesh.triangles.empty()) {
     problems.add({file, 0, 0, ""}, "mesh has no faces with area",
-                 std::to_string(reader.out.mesh.vertices.size()) + " vertices, " + std::to_string(reader.out.faces) +
-                     " faces, " + std::to_string(reader.out.dropped_faces) + " of them without area",
+                 std::to_string(reader.out.mesh.vertices.size()) + " vertices, " +
+                     base::counted(reader.out.faces, "face") + ", " + std::to_string(reader.out.dropped_faces) +
+                     " of them without area",
                  "give a surface mesh; point clouds and lines have nothing to hit");
     return std::nullopt;
   }

@@ -32,6 +32,7 @@ struct MeshFrame {
   std::optional<char> up;  ///< 'x', 'y' or 'z'
   std::optional<double> unit_m;
   bool upside_down = false;  ///< that axis points down, which is not read
+  std::string wrong_unit{};  ///< what stands where a unit is due
 };
 
 /// How a mesh file is to be read. What the file or its format says of axis and unit goes first; these apply where it is

@@ -270,17 +270,17 @@ def pyramid(up, unit):
 </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
 
 
-def three_mf(unit, metres):
-    """The same pyramid as the files of a 3MF's package."""
+def three_mf(unit, metres, model="3D/3dmodel.model"):
+    """The same pyramid as the files of a 3MF's package, which names its model."""
     corners = [(-8, -6, 0), (8, -6, 0), (8, 6, 0), (-8, 6, 0), (3, -2, 5)]
     vertices = "".join("<vertex x='{}' y='{}' z='{}'/>".format(*(value / metres for value in p)) for p in corners)
     faces = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
     triangles = "".join("<triangle v1='{}' v2='{}' v3='{}'/>".format(*face) for face in faces)
     schema = "http://schemas.openxmlformats.org/package/2006/relationships"
     return {
-        "_rels/.rels": f'<?xml version="1.0"?><Relationships xmlns="{schema}"><Relationship Target="/3D/3dmodel.model" '
+        "_rels/.rels": f'<?xml version="1.0"?><Relationships xmlns="{schema}"><Relationship Target="/{model}" '
         'Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>',
-        "3D/3dmodel.model": f'<?xml version="1.0"?><model{unit} '
+        model: f'<?xml version="1.0"?><model{unit} '
         'xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1" type="model">'
         f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
         '<build><item objectid="1"/></build></model>',
@@ -299,6 +299,25 @@ def mesh_scene(folder, name, more="", place=""):
     return file
 
 
+def packages(folder, same):
+    """3MF: its package says where the model lies, that its unit; a unit that is none is refused."""
+    for unit, metres, model in (
+        (' unit="inch"', 0.0254, "3D/3dmodel.model"),
+        ("", 0.001, "3D/3dmodel.model"),
+        (' unit="inch"', 0.0254, "Parts/shape.model"),
+        (' unit="cubit"', 0.4572, "3D/3dmodel.model"),
+    ):
+        with zipfile.ZipFile(folder / "m.3mf", "w", zipfile.ZIP_DEFLATED) as package:
+            for name, text in three_mf(unit, metres, model).items():
+                package.writestr(name, text)
+        if "cubit" in unit:
+            done = run("scene", "check", mesh_scene(folder, "m.3mf"), status=2)
+            check("the file's unit of lengths is not known (found unit = 'cubit')" in done.stderr, done.stderr)
+            continue
+        same("m.3mf")
+        check("0 notices" in run("scene", "check", mesh_scene(folder, "m.3mf")).stdout)
+
+
 def meshes(folder):
     """Axis and unit as the format says; the same pyramid in every way."""
     (folder / "plain.obj").write_text(
@@ -315,12 +334,7 @@ def meshes(folder):
     for up, unit in (("Z_UP", 1), ("Y_UP", 1), ("X_UP", 1), ("Z_UP", 0.0254)):
         (folder / "m.dae").write_text(pyramid(up, unit))
         same("m.dae")
-    for unit, metres in ((' unit="inch"', 0.0254), (' unit="centimeter"', 0.01), ("", 0.001)):
-        with zipfile.ZipFile(folder / "m.3mf", "w", zipfile.ZIP_DEFLATED) as package:
-            for name, text in three_mf(unit, metres).items():
-                package.writestr(name, text)
-        same("m.3mf")
-        check("0 notices" in run("scene", "check", mesh_scene(folder, "m.3mf")).stdout)
+    packages(folder, same)
     same("m.dae", 'up = "y"\n', ["'up' is not used"])
     same("m.dae", "unit_m = 0.0254\n", ["'unit_m' is not used"])
     same("plain.obj", 'up = "z"\nunit_m = 1.0\n')
