@@ -14,6 +14,7 @@
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/base/units.h"
 
 namespace raycube::atmos {
@@ -50,8 +51,7 @@ void check_grid(base::Problems& problems, double sensor_height_m, const std::vec
            std::adjacent_find(list.begin(), list.end(), [](double a, double b) { return !(a < b); }) == list.end();
   };
   if (!ascending(wavelength_um))
-    problems.add(grid, "must ascend strictly, at least one", std::to_string(wavelength_um.size()) + " values",
-                 "sort them");
+    problems.add(grid, "must ascend strictly, at least one", base::counted(wavelength_um.size(), "value"), "sort them");
   else if (!(wavelength_um.front() >= first_um && wavelength_um.back() <= last_um))
     problems.add(
         grid,
@@ -62,7 +62,7 @@ void check_grid(base::Problems& problems, double sensor_height_m, const std::vec
     problems.add({"", 0, 0, "sensor height"}, "must lie in -1000 to 1e9 m", json_number(sensor_height_m),
                  "correct the height");
   if (!ascending(target_height_m))
-    problems.add(heights, "must ascend strictly, at least one", std::to_string(target_height_m.size()) + " values",
+    problems.add(heights, "must ascend strictly, at least one", base::counted(target_height_m.size(), "value"),
                  "sort them");
   else if (!(target_height_m.front() >= -1000))
     problems.add(heights, "must not lie below -1000 m", json_number(target_height_m.front()),

@@ -16,6 +16,7 @@
 #include "host/base/input_file.h"
 #include "host/base/json_text.h"
 #include "host/base/sha256.h"
+#include "host/base/text.h"
 
 namespace raycube::atmos {
 
@@ -171,12 +172,12 @@ Placed decode_row(const std::string& path, const json& value, const RenderTable&
     if (length != axis->second.nodes.size())
       refuse(path,
              "row " + out.row.name + " must be as long as its axis " + name + " (" +
-                 std::to_string(axis->second.nodes.size()) + " nodes)",
+                 base::counted(axis->second.nodes.size(), "node") + ")",
              std::to_string(length));
     // The product stays below the file's size, so it cannot overflow.
     if (length == 0 || out.count > array_bytes / sizeof(float) / length)
       refuse(path,
-             "row " + out.row.name + " does not fit the file's " + std::to_string(array_bytes) + " bytes of arrays",
+             "row " + out.row.name + " does not fit the file's " + base::counted(array_bytes, "byte") + " of arrays",
              "shape " + text_of(shape));
     out.count *= length;
     out.row.axes.push_back(name);
@@ -185,8 +186,8 @@ Placed decode_row(const std::string& path, const json& value, const RenderTable&
   if (out.offset % kAlign != 0)
     refuse(path, "row " + out.row.name + " offset must be a multiple of 64", std::to_string(out.offset));
   if (out.offset > array_bytes || out.count * sizeof(float) > array_bytes - out.offset)
-    refuse(path, "row " + out.row.name + " ends beyond the file's " + std::to_string(array_bytes) + " bytes of arrays",
-           "offset " + std::to_string(out.offset) + ", " + std::to_string(out.count) + " values");
+    refuse(path, "row " + out.row.name + " ends beyond the file's " + base::counted(array_bytes, "byte") + " of arrays",
+           "offset " + std::to_string(out.offset) + ", " + base::counted(out.count, "value"));
   return out;
 }
 
@@ -226,12 +227,12 @@ RenderTable read_rct(const std::string& path) {
   const auto fetch = [&](std::uint64_t offset, void* data, std::uint64_t bytes) {
     file.seekg(static_cast<std::streamoff>(offset));
     if (!file.read(static_cast<char*>(data), static_cast<std::streamsize>(bytes)))
-      throw base::Error(base::Fault::environment, path + ": " + std::to_string(bytes) + " bytes at offset " +
+      throw base::Error(base::Fault::environment, path + ": " + base::counted(bytes, "byte") + " at offset " +
                                                       std::to_string(offset) + " could not be read");
   };
   Head head{};
   if (size < sizeof head)
-    refuse(path, "is no render table: shorter than its 64-byte head", std::to_string(size) + " bytes");
+    refuse(path, "is no render table: shorter than its 64-byte head", base::counted(size, "byte"));
   fetch(0, &head, sizeof head);
   if (head.magic != kMagic) {
     static const char* digits = "0123456789abcdef";
@@ -247,12 +248,12 @@ RenderTable read_rct(const std::string& path) {
     refuse(path, "has a format version this program does not read (it reads " + std::to_string(kRctVersion) + ")",
            std::to_string(head.version), "use the program that wrote it, or build the table again");
   if (head.file_bytes != size)
-    refuse(path, "is truncated or has bytes appended: its head says " + std::to_string(head.file_bytes) + " bytes",
-           std::to_string(size) + " bytes", "copy or build it again");
+    refuse(path, "is truncated or has bytes appended: its head says " + base::counted(head.file_bytes, "byte"),
+           base::counted(size, "byte"), "copy or build it again");
   if (head.header_bytes > size - sizeof head)
     refuse(path, "header length exceeds the file", std::to_string(head.header_bytes) + " of " + std::to_string(size));
   const std::uint64_t data_start = sizeof head + aligned(head.header_bytes);
-  if (data_start > size) refuse(path, "ends before its arrays begin", std::to_string(size) + " bytes");
+  if (data_start > size) refuse(path, "ends before its arrays begin", base::counted(size, "byte"));
 
   base::Sha256 hash;
   std::vector<char> chunk(std::size_t{1} << 20);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/text.h"
 #include "atmos_tables/row_registry.h"
 
 namespace raycube::atmos {
@@ -91,7 +92,7 @@ std::string table_text(const RenderTable& table, const std::string& hash) {
       << " deg; sensor at " << rounded(table.sensor_height_m) << " m above the scene's z = 0\n"
       << "wavelengths in " << table.medium << "; sun: " << table.solar_source << "\n\naxes\n";
   for (const auto& axis : s["axes"]) {
-    out << "  " << padded(axis["name"], 17) << padded(std::to_string(axis["count"].get<std::size_t>()) + " nodes", 11)
+    out << "  " << padded(axis["name"], 17) << padded(base::counted(axis["count"].get<std::size_t>(), "node"), 11)
         << rounded(axis["first"]) << " to " << rounded(axis["last"]) << " " << axis["unit"].get<std::string>();
     if (axis.contains("least_step"))
       out << ", steps " << rounded(axis["least_step"]) << " to " << rounded(axis["greatest_step"]);

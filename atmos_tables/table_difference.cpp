@@ -11,6 +11,7 @@
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/row_registry.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 
 namespace raycube::atmos {
 
@@ -60,7 +61,7 @@ std::vector<std::string> what_differs(const RenderTable& a, const RenderTable& b
     if (in_a == a.axes.end() || in_b == b.axes.end() || in_a->second.nodes == in_b->second.nodes) continue;
     const auto range = [&](const std::vector<double>& nodes) {
       return nodes.size() == 1 ? "1 node at " + shown(nodes[0]) + " " + spec.unit
-                               : std::to_string(nodes.size()) + " nodes from " + shown(nodes.front()) + " to " +
+                               : base::counted(nodes.size(), "node") + " from " + shown(nodes.front()) + " to " +
                                      shown(nodes.back()) + " " + spec.unit;
     };
     out.push_back(std::string("axis ") + spec.name + ": " + range(in_a->second.nodes) + ", and " +

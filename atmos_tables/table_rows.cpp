@@ -6,6 +6,7 @@
 
 #include "atmos_tables/row_registry.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 
 namespace raycube::atmos {
 
@@ -77,7 +78,7 @@ void check_row(const RenderTable& table, const std::string& key, const Row& row,
       return problems.add(where, "axis " + axis + " is not in the table", "", "add the axis");
   const std::size_t size = row_size(table, row.axes);
   if (row.values.size() != size)
-    return problems.add(where, "needs " + std::to_string(size) + " values", std::to_string(row.values.size()),
+    return problems.add(where, "needs " + base::counted(size, "value"), std::to_string(row.values.size()),
                         "check the axes");
   for (std::size_t i = 0; i < size; ++i) {
     const double value = row.values[i];

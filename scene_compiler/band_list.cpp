@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/base/text.h"
 #include "scene_compiler/air_wavelength.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
@@ -95,7 +96,7 @@ bool finish_tabulated(Band& band, const Where& where, Problems& problems) {
   }
   if (!(area > 0)) {
     problems.add(where, "band '" + band.name + "' has no response",
-                 std::to_string(band.wavelength_um.size()) + " samples, area " + number_text(area),
+                 base::counted(band.wavelength_um.size(), "sample") + ", area " + number_text(area),
                  "give at least two wavelengths and a response above 0");
     return false;
   }

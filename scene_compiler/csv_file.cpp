@@ -186,14 +186,14 @@ std::optional<CsvFile> read_csv(const std::string& file, const base::Where& aske
   }
   for (const auto& [count, rows] : uneven) {
     const bool commas = separator == ',' && count > csv.columns.size() && count <= 2 * csv.columns.size();
-    problems.add({file, rows.line, 0, ""}, "row has " + std::to_string(count) + " cells",
-                 rows.text + (rows.count > 1 ? ", and " + std::to_string(rows.count - 1) + " more rows like it" : ""),
+    problems.add({file, rows.line, 0, ""}, "row has " + base::counted(count, "cell"),
+                 rows.text + (rows.count > 1 ? ", and " + base::counted(rows.count - 1, "more row") + " like it" : ""),
                  "the header on line " + std::to_string(csv.header_line) + " names " +
-                     std::to_string(csv.columns.size()) + " columns" +
+                     base::counted(csv.columns.size(), "column") +
                      (commas ? "; if these are decimal commas, write points, or separate columns by semicolons" : ""));
   }
   if (decimal_commas > 0)
-    problems.tell({file, 0, 0, ""}, std::to_string(decimal_commas) + " numbers with decimal commas read as such");
+    problems.tell({file, 0, 0, ""}, base::counted(decimal_commas, "number") + " with decimal commas read as such");
   std::map<std::string, std::size_t> number_of;
   for (std::size_t i = 0; i < csv.columns.size(); ++i) {
     const auto [first, alone] = number_of.emplace(csv.columns[i], i);
@@ -205,7 +205,7 @@ std::optional<CsvFile> read_csv(const std::string& file, const base::Where& aske
     return std::nullopt;
   }
   if (csv.rows.empty() && uneven.empty()) {
-    problems.add({file, 0, 0, ""}, "file has no rows", std::to_string(text->size()) + " bytes",
+    problems.add({file, 0, 0, ""}, "file has no rows", base::counted(text->size(), "byte"),
                  "give a header line and at least one row; " + asked_by.text() + " names it");
     return std::nullopt;
   }

@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <sstream>
 #include <string_view>
 
 #include "host/base/input_file.h"
+#include "host/base/text.h"
 #include "scene_compiler/document_overrides.h"
 #include "scene_compiler/document_values.h"
 
@@ -142,7 +142,7 @@ class DocumentReader {
     std::ostringstream text;
     text << stream.rdbuf();
     if (text.str().find_first_not_of(" \t\r\n") == std::string::npos) {
-      problems_.add({name, 1, 1, ""}, "file is empty", std::to_string(text.str().size()) + " bytes",
+      problems_.add({name, 1, 1, ""}, "file is empty", base::counted(text.str().size(), "byte"),
                     "a " + kind + " begins with format = 1");
       return std::nullopt;
     }
@@ -352,7 +352,7 @@ class DocumentReader {
       wrong_type(spec, node, file, wanted);
     } else if (!shape_allows(spec, array->size())) {
       problems_.add(where_of(file, node.source()), "'" + std::string(spec.key) + "' has the wrong length",
-                    std::to_string(array->size()) + " values", "give " + std::string(spec.shape) + " values");
+                    base::counted(array->size(), "value"), "give " + std::string(spec.shape) + " values");
       return nullptr;
     }
     return array;

@@ -86,8 +86,11 @@ nlohmann::ordered_json value_json(const KeySpec& spec, const Value& value) {
 
 std::string number_text(double value) {
   if (std::isnan(value)) return "nan";
+  constexpr double kMostDigits = 1e15;  // counts and metres are read in digits: 50000000, not 5e+07
+  const bool whole = value == std::round(value) && std::abs(value) < kMostDigits;
   char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  const auto end = whole ? std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr
+                         : std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
   return {buffer, end};
 }
 

@@ -5,7 +5,7 @@
 
 namespace raycube::scene {
 
-/// Shortest text that reads back as the same double; "nan", "inf".
+/// Shortest text that reads back as the same double, whole numbers below 1e15 in digits; "nan", "inf".
 std::string number_text(double value);
 /// Three figures, for what was computed.
 std::string short_text(double value);

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 
@@ -14,7 +15,7 @@ namespace {
 using base::Problems;
 
 constexpr double kMostSmile_nm = 100, kMostKeystone_px = 20;  ///< as the keys of the same names
-constexpr double kEven = 1e-6;                                ///< of a grid's step, by which its points may be off
+constexpr double kEven = 1e-6;               ///< of a grid's step, by which its points may be off
 
 /// The columns of a file by name; each row's numbers. Reports what is missing.
 struct Columns {
@@ -57,7 +58,7 @@ std::vector<std::vector<double>> on_grid(const std::vector<double>& first, const
   const std::vector<double> rows = distinct(first), columns = distinct(second);
   if (rows.size() * columns.size() != value.size()) {
     problems.add(where, "the table is no grid",
-                 std::to_string(value.size()) + " rows for " + std::to_string(rows.size()) + " x " +
+                 base::counted(value.size(), "row") + " for " + std::to_string(rows.size()) + " x " +
                      std::to_string(columns.size()),
                  "give each pair once");
     return {};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "host/base/text.h"
 #include "scene_compiler/band_list.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/detector_builder.h"
@@ -206,7 +207,7 @@ std::optional<Aim> read_aim(const Record& record, Problems& problems) {
 void read_geometry(const Record& record, const SceneParts& parts, Instrument& out, Problems& problems) {
   if (double(out.lines) * out.pixels > kMostPixels) {
     problems.add(record.place("lines"), "an image has at most 2^36 pixels, a band of which takes 256 GiB",
-                 std::to_string(out.pixels) + " pixels x " + std::to_string(out.lines) + " lines",
+                 base::counted(out.pixels, "pixel") + " x " + base::counted(out.lines, "line"),
                  "split the image, or correct pixels and lines");
     return;
   }
@@ -217,7 +218,7 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
     return;
   }
   if (double(out.lines) * (out.kind == InstrumentKind::whiskbroom ? out.pixels : 1) > kMaxPoses) {
-    problems.add(record.place("lines"), "instrument needs more than 1e8 poses", std::to_string(out.lines) + " lines",
+    problems.add(record.place("lines"), "instrument needs more than 1e8 poses", base::counted(out.lines, "line"),
                  "split the image");
     return;
   }
@@ -270,7 +271,7 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
   const bool per_pixel = given.size() == lines * pixels && out.kind == InstrumentKind::whiskbroom;
   if (!per_line && !one && !per_pixel)
     problems.add(record.place("poses"), "number of poses does not fit the image",
-                 std::to_string(given.size()) + " poses, " + std::to_string(lines) + " lines of " +
+                 base::counted(given.size(), "pose") + ", " + base::counted(lines, "line") + " of " +
                      std::to_string(pixels) + " pixels",
                  "framing: 1; pushbroom: one per line; whiskbroom: one per line or per pixel");
   out.poses = per_line && !per_pixel && out.kind == InstrumentKind::whiskbroom ? poses_per_pixel(given, out.pixels)

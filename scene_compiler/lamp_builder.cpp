@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "host/base/text.h"
 #include "host/base/units.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
@@ -103,8 +104,8 @@ LampSpectrum read_lamp_spectrum(const Record& record, Problems& problems) {
   for (std::size_t i = 1; i < out.per_um.size(); ++i)
     integral += 0.5 * (out.per_um[i] + out.per_um[i - 1]) * (out.wavelength_um[i] - out.wavelength_um[i - 1]);
   if (problems.count() == before && !(integral > 0))
-    problems.add({csv->file, 0, 0, ""}, "the spectrum holds no light",
-                 std::to_string(out.per_um.size()) + " wavelengths", "give two at least, and some flux");
+    problems.add({csv->file, 0, 0, ""}, "the spectrum holds no light", base::counted(out.per_um.size(), "wavelength"),
+                 "give two at least, and some flux");
   for (double& value : out.per_um) value /= integral > 0 ? integral : 1;
   return out;
 }

@@ -6,6 +6,7 @@
 #include <bit>
 #include <iterator>
 
+#include "host/base/text.h"
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/fresnel.h"
@@ -162,7 +163,7 @@ bool fits_wavelengths(const Record& table, const ShapeEntry& entry, Problems& pr
     lists |= count > 1;
     if (count <= 1 || count == at_nm.size()) continue;
     problems.add(table.place(key), "'" + key + "' is not of as many wavelengths as 'at_nm'",
-                 std::to_string(count) + " values, " + std::to_string(at_nm.size()) + " wavelengths",
+                 base::counted(count, "value") + ", " + base::counted(at_nm.size(), "wavelength"),
                  at_nm.empty() ? "give at_nm, or one number" : "give a value for each, or one number");
     return false;
   }

@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "host/base/text.h"
 #include "kernels/shared/product_key.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
@@ -246,8 +247,10 @@ std::optional<MeasuredTables> read_measured(const std::string& file, const base:
   }
   for (const FactorLine& line : lines) grid.add(line);
   if (const auto [count, first] = grid.missing(); count > 0) {
-    problems.add({csv->file, 0, 0, ""}, std::to_string(count) + " combinations of its angles have no factor",
-                 "first: " + first, "add them: by interpolation where they were not measured");
+    problems.add(
+        {csv->file, 0, 0, ""},
+        base::counted(count, "combination of its angles has", "combinations of its angles have") + " no factor",
+        "first: " + first, "add them: by interpolation where they were not measured");
     return std::nullopt;
   }
   MeasuredTables out;

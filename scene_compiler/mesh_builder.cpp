@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "host/base/text.h"
 #include "scene_compiler/counter_random.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
@@ -88,13 +89,13 @@ void add_mesh(const Record& record, bool strict, MaterialTable& materials, Scene
   auto file = read_mesh_file(record.text("file"), request, record.place("file"), problems);
   if (!file) return;
   if (!parts.memory.take(static_cast<double>(file->mesh.triangles.size()) * kTriangle_bytes, record.where,
-                         std::to_string(file->mesh.triangles.size()) + " triangles", "give smaller meshes", problems))
+                         base::counted(file->mesh.triangles.size(), "triangle"), "give smaller meshes", problems))
     return;
   assign_materials(record, materials, *file, problems);
   if (problems.empty()) lay_images(record, materials, *file, parts.memory, parts.notices, problems);
   if (file->dropped_faces > 0)
     parts.notices.push_back(record.text("file") + ": dropped " + std::to_string(file->dropped_faces) + " of " +
-                            std::to_string(file->faces) + " faces without area (first: " + file->first_dropped + ")");
+                            base::counted(file->faces, "face") + " without area (first: " + file->first_dropped + ")");
   index[name] = static_cast<std::int64_t>(parts.meshes.size());
   parts.meshes.push_back({name, std::move(file->mesh), file->centre_m});
 }
@@ -180,7 +181,7 @@ void scatter_listed(const Record& record, std::int64_t mesh, SceneParts& parts, 
   const auto csv = read_csv(record.text("positions"), record.place("positions"), problems);
   if (!csv) return;
   if (!parts.memory.take(static_cast<double>(csv->rows.size()) * kPlaced_bytes, record.place("positions"),
-                         std::to_string(csv->rows.size()) + " placements", "list fewer", problems))
+                         base::counted(csv->rows.size(), "placement"), "list fewer", problems))
     return;
   const auto x = csv->column("x_m"), y = csv->column("y_m"), z = csv->column("z_m"), yaw = csv->column("yaw_deg"),
              scale = csv->column("scale");

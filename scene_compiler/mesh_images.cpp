@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "host/base/text.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/texel_cut.h"
 
@@ -52,8 +53,9 @@ void lay_by_metres(const std::string& name, MaterialTable& materials, TriangleMe
     if (at.larger) ++larger, texel_m = size_m;
   }
   if (larger > 0)
-    notices.push_back("mesh '" + name + "': " + std::to_string(larger) + " triangles are longer than two texels of " +
-                      number_text(texel_m) + " m, and each has the one at its middle; finer triangles show more");
+    notices.push_back("mesh '" + name + "': " + base::counted(larger, "triangle is", "triangles are") +
+                      " longer than two texels of " + number_text(texel_m) +
+                      " m, and has the one at its middle; finer triangles show more");
 }
 
 TexelCounts texel_counts(const CoordinateImages& images) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/text.h"
 #include "scene_compiler/document_values.h"
 
 namespace raycube::scene {
@@ -108,9 +109,9 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
     problems.add({file, 0, 0, ""}, "single precision does not resolve " + what + " so far from the scene's origin",
                  found, way_out);
   else
-    notices.push_back(file + ": " + std::to_string(coarse) +
-                      " objects or terrains lie so far from the scene's origin that single precision shows "
-                      "in their shadows (by up to 7 times the spacing of coordinates), worst " +
+    notices.push_back(file + ": " + base::counted(coarse, "object or terrain lies", "objects or terrains lie") +
+                      " so far from the scene's origin that single precision shows in shadows (by up to 7 times the "
+                      "spacing of coordinates), worst " +
                       what + ": " + found + "; " + way_out);
 }
 

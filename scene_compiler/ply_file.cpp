@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "host/base/text.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 
@@ -103,7 +104,7 @@ class Header {
                       "'" + std::string(line->substr(0, 60)) + "'", "correct the file; is it cut short?"};
       formatted = formatted || is_format;
     }
-    throw Unsound{line_number, "", "PLY header has no end", std::to_string(text_.size()) + " bytes without end_header",
+    throw Unsound{line_number, "", "PLY header has no end", base::counted(text_.size(), "byte") + " without end_header",
                   "restore the file: it is cut short"};
   }
 
@@ -159,7 +160,7 @@ class Header {
       const double needed = e.count * least;
       if (needed > left)
         throw Unsound{e.line, "", "PLY header counts more than the file holds",
-                      e.digits + " of '" + e.name + "' in " + std::to_string(text_.size()) + " bytes",
+                      e.digits + " of '" + e.name + "' in " + base::counted(text_.size(), "byte"),
                       "restore the file: it is cut short, or its header is another file's"};
       left -= needed;
     }
@@ -195,7 +196,7 @@ class Values {
     while (at_ < text_.size() && is_end(text_[at_])) ++at_;
     if (at_ < text_.size())
       throw Unsound{form_ == Form::text ? line_at() : 0, "", "the file goes on behind what its header counts",
-                    std::to_string(text_.size() - at_) + " bytes", "correct the counts of its header"};
+                    base::counted(text_.size() - at_, "byte"), "correct the counts of its header"};
   }
 
   [[noreturn]] void refuse(const std::string& what, const std::string& found) const {
@@ -219,8 +220,7 @@ class Values {
 
   double of_text(Type type) {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
-    if (at_ >= text_.size())
-      refuse("the file ends before what its header counts", std::to_string(text_.size()) + " bytes");
+    if (at_ >= text_.size()) refuse("the file ends before what its header counts", base::counted(text_.size(), "byte"));
     const std::size_t end = std::min(text_.find_first_of(" \t\r\n", at_), text_.size());
     const auto value = parse_number(text_.substr(at_, end - at_));
     const bool whole = type != Type::float32 && type != Type::float64;
@@ -233,7 +233,7 @@ class Values {
   template <class T>
   double load() {
     if (at_ + sizeof(T) > text_.size())
-      refuse("the file ends before what its header counts", std::to_string(text_.size()) + " bytes");
+      refuse("the file ends before what its header counts", base::counted(text_.size(), "byte"));
     std::array<char, sizeof(T)> raw;
     std::memcpy(raw.data(), text_.data() + at_, sizeof(T));
     at_ += sizeof(T);

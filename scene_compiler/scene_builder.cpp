@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/text.h"
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/panels.h"
@@ -141,7 +142,7 @@ void repeat_cell(const Record& root, SceneParts& parts, Problems& problems) {
   const Record* cell = scene ? scene->table("periodic") : nullptr;
   if (cell == nullptr || !cell->sound) return;
   if (!parts.volumes.empty()) {
-    problems.add(cell->where, "volumes do not repeat", std::to_string(parts.volumes.size()) + " volumes",
+    problems.add(cell->where, "volumes do not repeat", base::counted(parts.volumes.size(), "volume"),
                  "remove them, or periodic");
     return;
   }

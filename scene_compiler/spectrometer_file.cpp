@@ -152,7 +152,7 @@ std::optional<SpectrometerFile> splib07(const TextFile& text, const std::string&
   const auto values = columns(text, 1, 0, 1, 1), at = columns(places, 1, 0, 1, 1);
   if (values.value.size() != at.value.size()) {
     problems.add({wavelengths, 0, 0, ""}, "not the wavelengths of " + text.file,
-                 std::to_string(at.value.size()) + " for " + std::to_string(values.value.size()) + " values",
+                 std::to_string(at.value.size()) + " for " + base::counted(values.value.size(), "value"),
                  "name those of the same spectrometer");
     return std::nullopt;
   }
@@ -234,7 +234,7 @@ std::optional<SpectrometerFile> asd_text(const TextFile& text, Problems& problem
   for (std::size_t i = 1; i < text.lines.size(); ++i)
     if (numbers_of(text.lines[i]).size() > 2) {
       problems.add({text.file, static_cast<int>(i) + 1, 0, ""}, "an ASD text of several samples",
-                   std::to_string(numbers_of(text.lines[i]).size()) + " columns", "export one sample, or write a CSV");
+                   base::counted(numbers_of(text.lines[i]).size(), "column"), "export one sample, or write a CSV");
       return std::nullopt;
     }
   out.kind = "ASD text";
@@ -267,7 +267,7 @@ std::optional<SpectrometerFile> asd_binary(const std::string& file, const std::s
     problems.add({file, 0, 0, ""}, what, found, "export it as text (ASD ViewSpec Pro), or write a CSV");
     return std::nullopt;
   };
-  if (raw.size() < kHeader) return broken("an ASD file ends in its header", std::to_string(raw.size()) + " bytes");
+  if (raw.size() < kHeader) return broken("an ASD file ends in its header", base::counted(raw.size(), "byte"));
   const int version = raw[2] - '0', format = raw[kFormat], type = raw[kType];
   if (version < 6 || version > 8) return broken("an ASD file of a version that is not read", raw.substr(0, 3));
   const std::size_t channels = at<std::uint16_t>(raw, kChannels), width = format == 2 ? 8 : 4;
@@ -280,8 +280,7 @@ std::optional<SpectrometerFile> asd_binary(const std::string& file, const std::s
   };
   SpectrometerFile out;
   std::vector<double> reference;
-  if (!values(kHeader, out.value))
-    return broken("an ASD file ends in its values", std::to_string(raw.size()) + " bytes");
+  if (!values(kHeader, out.value)) return broken("an ASD file ends in its values", base::counted(raw.size(), "byte"));
   // Raw or reflectance: either way what the target sent, and after it what the white reference did.
   constexpr int kRaw = 0, kReflectance = 1;
   if (type != kRaw && type != kReflectance)
@@ -291,7 +290,7 @@ std::optional<SpectrometerFile> asd_binary(const std::string& file, const std::s
   const std::size_t text = told ? at<std::uint16_t>(raw, after + 18) : 0;
   const bool has_reference = told && values(after + 20 + text, reference);
   if (!has_reference && (type == kRaw || told))
-    return broken("an ASD file without its white reference", std::to_string(raw.size()) + " bytes");
+    return broken("an ASD file without its white reference", base::counted(raw.size(), "byte"));
   for (std::size_t i = 0; has_reference && i < channels; ++i) out.value[i] /= reference[i];
   for (std::size_t i = 0; i < channels; ++i)
     out.wavelength_um.push_back(1e-3 * (static_cast<double>(at<float>(raw, kFirst)) +

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "host/base/text.h"
 #include "scene_compiler/air_wavelength.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/detector_joins.h"
@@ -47,7 +48,7 @@ Material material_of(const std::vector<SpectrumPoint>& points, bool has_transmit
 }
 
 constexpr const char* kDiffer = ", where they differ by ";
-constexpr const char* kLeftOut = " samples without data left out";  ///< in a material's source, behind their number
+constexpr const char* kLeftOut = " without data left out";  ///< in a material's source, behind their number
 
 bool is_data(double value) { return std::isfinite(value) && std::abs(value) < kNoData; }
 
@@ -55,7 +56,7 @@ bool is_data(double value) { return std::isfinite(value) && std::abs(value) < kN
 std::vector<SpectrumPoint> with_data(std::vector<SpectrumPoint> points, std::string& note) {
   const std::size_t all = points.size();
   std::erase_if(points, [](const SpectrumPoint& p) { return !is_data(p.reflectance) || !is_data(p.transmittance); });
-  if (points.size() < all) note += ", " + std::to_string(all - points.size()) + kLeftOut;
+  if (points.size() < all) note += ", " + base::counted(all - points.size(), "sample") + kLeftOut;
   return points;
 }
 
@@ -92,7 +93,7 @@ class FamilyNotices {
       problems.tell({}, first_[i].second + (spectra > 1 ? "; so for " + std::to_string(spectra) + " spectra" : ""));
     }
     if (first_.size() > kMost)
-      problems.tell({}, std::to_string(first_.size() - kMost) + " more notices of its spectra");
+      problems.tell({}, base::counted(first_.size() - kMost, "more notice") + " of its spectra");
   }
 
  private:
@@ -150,7 +151,7 @@ std::optional<Material> column_spectrum(const CsvFile& csv, std::pair<std::size_
     const std::string& cell = csv.rows[unread->first][unread->second];
     problems.add(csv.at(unread->first, unread->second), "not a number",
                  (cell.empty() ? "nothing" : "'" + cell + "'") +
-                     (more_unread > 0 ? ", and in " + std::to_string(more_unread) + " more cells" : ""),
+                     (more_unread > 0 ? ", and in " + base::counted(more_unread, "more cell") : ""),
                  "give a number like 0.25, nan where there is none, or remove the line");
     return std::nullopt;
   }
@@ -240,7 +241,7 @@ std::optional<Material> spectrometer_spectrum(const SpectrometerFile& file, cons
   }
   if (file.decimal_commas > 0)
     problems.tell({request.file, 0, 0, ""},
-                  std::to_string(file.decimal_commas) + " rows with decimal commas read as such");
+                  base::counted(file.decimal_commas, "row") + " with decimal commas read as such");
   const double scale = scale_of(request, file.scale != 1 ? std::optional(file.scale) : std::nullopt, problems);
   std::string note;
   std::vector<SpectrumPoint> points;
@@ -269,7 +270,7 @@ std::optional<Material> spectrometer_spectrum(const SpectrometerFile& file, cons
     apart.push_back(mean);
     first = next;
   }
-  if (noisy > 0) note += ", " + std::to_string(noisy) + " values below 0 taken as 0";
+  if (noisy > 0) note += ", " + base::counted(noisy, "value") + " below 0 taken as 0";
   if (!check_spectrum(apart, request.file, problems)) return std::nullopt;
   Material out = material_of(apart, false, is_air(request.medium, "", request.file, problems));
   out.source = file.kind + ", " + file.name + note;
@@ -288,8 +289,9 @@ void tell_left_out(const std::string& file, std::span<const Material> spectra, P
     problems.tell({file, 0, 0, ""},
                   spectra[0].source.substr(spectra[0].source.rfind(", ", spectra[0].source.find(kLeftOut)) + 2));
   else if (lacking > 0)
-    problems.tell({file, 0, 0, ""}, std::to_string(lacking) + " of " + std::to_string(spectra.size()) +
-                                        " spectra have samples without data, which are left out" + why());
+    problems.tell({file, 0, 0, ""}, std::to_string(lacking) + " of " + std::to_string(spectra.size()) + " spectra " +
+                                        (lacking == 1 ? "has" : "have") + " samples without data, which are left out" +
+                                        why());
 }
 
 /// Whether the file is a library; a header in its place is reported.
@@ -423,10 +425,9 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
              "energy must not be gained: correct the file");
   }
   for (const Cause& cause : causes)
-    problems.add(
-        cause.where, cause.what,
-        cause.found + (cause.points > 1 ? ", and at " + std::to_string(cause.points - 1) + " more points" : ""),
-        cause.way_out);
+    problems.add(cause.where, cause.what,
+                 cause.found + (cause.points > 1 ? ", and at " + base::counted(cause.points - 1, "more point") : ""),
+                 cause.way_out);
   if (points.size() < 2) {
     problems.add({file, 0, 0, ""}, "a spectrum needs at least two points", std::to_string(points.size()),
                  "give more, or a constant `reflectance`");

@@ -1,3 +1,4 @@
+#include "host/base/text.h"
 #include "scene_compiler/terrain.h"
 
 #include <algorithm>
@@ -165,7 +166,7 @@ std::optional<std::vector<std::size_t>> map_pixels(const TerrainGrid& grid, cons
   }
   if (outside > 0) {
     problems.add(asked_by, "map does not cover the terrain",
-                 std::to_string(outside) + " of " + std::to_string(out.size()) + " cells lie outside " + map.file,
+                 std::to_string(outside) + " of " + base::counted(out.size(), "cell") + " outside " + map.file,
                  "give a map that covers it");
     return std::nullopt;
   }

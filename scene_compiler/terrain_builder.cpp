@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "host/base/text.h"
 #include "scene_compiler/counter_random.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
@@ -168,9 +169,8 @@ void tell_of_voids(const Raster& raster, const std::vector<double>& z, double ce
   const double far_m = std::max(100.0, 10 * cell_m);
   const auto tell = [&](const Posts& posts, const std::string& what) {
     problems.tell({raster.file, 0, 0, post_text(posts.first, raster.columns)},
-                  std::to_string(posts.count) + (posts.count == 1 ? " post" : " posts") + " of height " +
-                      number_text(raster.bands[0][posts.first]) + " " + what +
-                      "; if that means no data, declare it: gdal_translate -a_nodata");
+                  base::counted(posts.count, "post") + " of height " + number_text(raster.bands[0][posts.first]) + " " +
+                      what + "; if that means no data, declare it: gdal_translate -a_nodata");
   };
   const int columns = raster.columns, rows = raster.rows;
   std::array<Posts, kVoids.size()> voids;
@@ -220,7 +220,9 @@ void tell_of_voids(const Raster& raster, const std::vector<double>& z, double ce
         }
       if (lonely && neighbours >= 3) alone.add(post);
     }
-  if (alone.count > 0) tell(alone, "stand alone, more than " + number_text(far_m) + " m from all their neighbours");
+  if (alone.count > 0)
+    tell(alone, (alone.count == 1 ? "stands alone, more than " : "stand alone, more than ") + number_text(far_m) +
+                    " m from all " + (alone.count == 1 ? "its" : "their") + " neighbours");
 }
 
 /// material of each number named in `materials`.
@@ -273,14 +275,14 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
     without_data += !map->valid[0][(*pixel)[cell]];
   }
   if (without_data > 0)
-    problems.tell({map->file, 0, 0, ""}, std::to_string(without_data) +
-                                             " cells lie where the class map declares no data; they have the material "
-                                             "that is named for its number there");
+    problems.tell({map->file, 0, 0, ""},
+                  base::counted(without_data, "cell lies", "cells lie") +
+                      " where the class map declares no data, and has the material that is named for its number there");
   std::size_t reports = 0;
   for (const auto& [value, entry] : missing)
     if (++reports <= 20)
       problems.add({map->file, 0, 0, post_text(entry.second, map->columns)}, "class has no material",
-                   (std::isinf(value) ? "nan" : number_text(value)) + " on " + std::to_string(entry.first) + " cells",
+                   (std::isinf(value) ? "nan" : number_text(value)) + " on " + base::counted(entry.first, "cell"),
                    "name it in 'materials' of " + record.where.text());
   return out;
 }

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 
+#include "host/base/text.h"
 #include "host/base/units.h"
 #include "scene_compiler/counter_random.h"
 #include "scene_compiler/document_values.h"
@@ -176,7 +177,7 @@ bool asks_for_one_choice(const Record& texture, Problems& problems) {
     }
   if (!nearest && texture.numbers("band_nm").size() != 2) {
     problems.add(texture.place("band_nm"), "one band tells how bright a texel is",
-                 std::to_string(texture.numbers("band_nm").size() / 2) + " bands",
+                 base::counted(texture.numbers("band_nm").size() / 2, "band"),
                  "give the first and the last wavelength of one, or choose = \"nearest\"");
     return false;
   }

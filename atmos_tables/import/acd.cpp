@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "host/base/text.h"
 #include "atmos_tables/import/conversions.h"
 #include "atmos_tables/import/text_lines.h"
 
@@ -152,8 +153,8 @@ Imported read_acd_binary(const std::string& path) {
   };
   base::Problems problems;
   if (bytes.size() % kRecord != 0 || bytes.size() < 2 * kRecord)
-    problems.add({path, 0, 0, ""}, "the file is not made of records of 44 bytes",
-                 std::to_string(bytes.size()) + " bytes", "it is cut short or no binary .acd");
+    problems.add({path, 0, 0, ""}, "the file is not made of records of 44 bytes", base::counted(bytes.size(), "byte"),
+                 "it is cut short or no binary .acd");
   problems.throw_if_any();
   if (real(0, 1) != -9999.0f)
     problems.add({path, 0, 0, "record 1"}, "the first record does not start with -9999", std::to_string(real(0, 1)),

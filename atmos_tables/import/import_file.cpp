@@ -128,7 +128,8 @@ std::string imported_text(const Imported& imported) {
     out << run.mode;
     if (!run.wavelength_um.empty()) {
       const auto [least, most] = std::minmax_element(run.wavelength_um.begin(), run.wavelength_um.end());
-      out << ": " << run.wavelength_um.size() << " wavelengths, " << *least << " to " << *most << " um (vacuum)";
+      out << ": " << base::counted(run.wavelength_um.size(), "wavelength") << ", " << *least << " to " << *most
+          << " um (vacuum)";
     }
     out << "\n";
     const auto say = [&](const char* what, const std::optional<double>& value, const char* unit) {

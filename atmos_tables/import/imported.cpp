@@ -6,6 +6,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "host/base/text.h"
 #include "atmos_tables/import/text_lines.h"
 
 namespace raycube::atmos::imported {
@@ -44,10 +45,10 @@ void check_run(const Run& run, const base::Where& where, base::Problems& problem
              .second)
       problems.add(here, "two columns mean " + column.name, "", "is the header whole?");
     if (column.values.size() != run.wavelength_um.size() || column.rounding.size() != column.values.size()) {
-      problems.add(here, "the column is not as long as the axis",
-                   std::to_string(column.values.size()) + " values, " + std::to_string(run.wavelength_um.size()) +
-                       " wavelengths",
-                   "");
+      problems.add(
+          here, "the column is not as long as the axis",
+          base::counted(column.values.size(), "value") + ", " + base::counted(run.wavelength_um.size(), "wavelength"),
+          "");
       continue;
     }
     const double most = at_most_one(column) ? 1 + slack : HUGE_VAL;

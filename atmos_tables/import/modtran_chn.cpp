@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "host/base/text.h"
 #include "atmos_tables/import/modtran_names.h"
 #include "atmos_tables/import/text_lines.h"
 
@@ -141,7 +142,7 @@ Imported read_chn(const std::string& path) {
   const auto ends = at < lines.size() ? dash_ends(lines[at]) : std::vector<std::size_t>();
   if (ends.size() < kCount || at < 2) {
     problems.add({path, 0, 0, ""}, "no header of channel output",
-                 std::to_string(ends.size()) + " columns of dashes, 26 needed", "is it a .chn file of MODTRAN 6?");
+                 base::counted(ends.size(), "column") + " of dashes, 26 needed", "is it a .chn file of MODTRAN 6?");
     problems.throw_if_any();
   }
   std::string header;

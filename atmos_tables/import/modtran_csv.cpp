@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/base/text.h"
 #include "atmos_tables/import/modtran_axis.h"
 #include "atmos_tables/import/modtran_names.h"
 #include "atmos_tables/import/text_lines.h"
@@ -167,7 +168,7 @@ class FluxReader {
     if (!starts_with_freq(label_cells) || (labels.size() != *columns && labels.size() != *columns + 1) ||
         units.size() != labels.size()) {
       problems_.add(header, "labels and levels do not fit \"num column\"",
-                    std::to_string(labels.size()) + " labels, " + std::to_string(units.size()) + " levels, " +
+                    base::counted(labels.size(), "label") + ", " + base::counted(units.size(), "level") + ", " +
                         std::to_string(*columns) + " columns",
                     "is the file whole?");
       return;

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "host/base/text.h"
 #include "atmos_tables/import/albedo_runs.h"
 #include "atmos_tables/import/conversions.h"
 #include "atmos_tables/import/sample_book.h"
@@ -158,7 +159,7 @@ class Reader {
     if (grid.empty())
       throw base::Error(base::Fault::input, "the runs have no wavelength in common; give runs of one range");
     if (grid.size() < all)
-      out_.notices.push_back(std::to_string(all - grid.size()) + " wavelengths of " + lead->file->file +
+      out_.notices.push_back(base::counted(all - grid.size(), "wavelength") + " of " + lead->file->file +
                              " left out: other runs do not cover them");
   }
 

@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "host/base/input_file.h"
+#include "host/base/text.h"
 
 namespace raycube::atmos::imported {
 
@@ -201,7 +202,7 @@ void read_rows(const std::string& file, const CsvTable& table, base::Problems& p
     if (cells.size() == table.columns.size())
       take(cells, where, line);
     else
-      problems.add(where, "needs " + std::to_string(table.columns.size()) + " cells", std::to_string(cells.size()),
+      problems.add(where, "needs " + base::counted(table.columns.size(), "cell"), std::to_string(cells.size()),
                    "complete the row");
   }
 }

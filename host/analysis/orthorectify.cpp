@@ -14,6 +14,7 @@
 #include "host/base/gdal_library.h"
 #include "host/base/interrupt.h"
 #include "host/base/memory.h"
+#include "host/base/text.h"
 #include "host/products/envi_reader.h"
 #include "host/products/envi_writer.h"
 #include "host/products/geolocated_vrt.h"
@@ -74,9 +75,9 @@ Places places_of(const std::string& image, const products::EnviHeader& header) {
   }
   if (past > 0)
     throw Error(Fault::input,
-                fmt::format("{}: {} of its pixels look past the ground and have no place on a map; make the "
+                fmt::format("{}: {} past the ground and so no place on a map; make the "
                             "ground larger, or the image smaller",
-                            image, past));
+                            image, base::counted(past, "of its pixels has a view", "of its pixels have a view")));
   return {beside.string(), epsg};
 }
 

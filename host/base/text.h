@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cctype>
+#include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 
 namespace raycube::base {
@@ -16,6 +18,23 @@ inline std::string lower_case(std::string text) {
 /// "1 notice", "2 notices".
 inline std::string counted(std::size_t number, const std::string& noun) {
   return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
+/// The same of a noun, or of words that go with it, whose plural is its own: "1 post stands", "2 posts stand".
+inline std::string counted(std::size_t number, const std::string& one, const std::string& many) {
+  return std::to_string(number) + " " + (number == 1 ? one : many);
+}
+
+/// An estimated count, with two digits: 19000 of 19321.7; from 1e15 on as 2.0e+15.
+inline std::string about_count(double number) {
+  char text[32];
+  if (!(number < 1e15)) {
+    std::snprintf(text, sizeof text, "%.1e", number);
+  } else {
+    const double step = number < 10 ? 1 : std::pow(10.0, std::floor(std::log10(number)) - 1);
+    std::snprintf(text, sizeof text, "%.0f", std::round(number / step) * step);
+  }
+  return text;
 }
 
 /// Without the marks by which DOS ended texts (0x1A), and the blanks among them.

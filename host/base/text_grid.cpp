@@ -80,7 +80,7 @@ TextGrid read_text_grid(GDALDatasetH dataset, const std::string& file) {
     if (out.beyond.empty() && !holds(type, word, *value)) out.beyond = told(word, "is read as another number");
   }
   if (count != needed)
-    out.wrong = "it holds " + std::to_string(count) + " numbers, its header counts " + std::to_string(needed);
+    out.wrong = "it holds " + base::counted(count, "number") + ", its header counts " + std::to_string(needed);
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include "host/analysis/detection.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/cli/analyze_kit.h"
 #include "host/cli/analyze_verbs.h"
 #include "host/cli/services.h"
@@ -66,7 +67,8 @@ int detect(const DetectRequest& request, Invocation& invocation) {
                           });
   maps.finish();
 
-  std::string text = fmt::format("background of {} pixels, {} bands\n", background.count(), cube.bands());
+  std::string text = fmt::format("background of {}, {}\n", base::counted(background.count(), "pixel"),
+                                 base::counted(static_cast<std::size_t>(cube.bands()), "band"));
   for (std::size_t k = 0; k < detection.layers().size(); ++k) {
     Peak best;
     for (const auto& part : peak)

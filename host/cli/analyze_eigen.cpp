@@ -8,6 +8,7 @@
 #include "host/analysis/eigen_structure.h"
 #include "host/analysis/moments.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/cli/analyze_kit.h"
 #include "host/cli/analyze_verbs.h"
 #include "host/cli/services.h"
@@ -67,7 +68,8 @@ int eigen(const EigenRequest& request, Invocation& invocation) {
           vectors.push_back(list_of(of.structure.vectors.col(static_cast<Eigen::Index>(k))));
   };
   add_columns(found, "eigenvector_");
-  std::string text = fmt::format("{} pixels, {} bands\n", found.pixels, cube.bands());
+  std::string text = fmt::format("{}, {}\n", base::counted(found.pixels, "pixel"),
+                                 base::counted(static_cast<std::size_t>(cube.bands()), "band"));
   const auto line = [&](std::size_t k) {
     const auto i = static_cast<Eigen::Index>(k);
     return fmt::format("eigenvalue {}: {:.6g}, {:.4g} of the first, {:.4f} of the variance", k + 1,

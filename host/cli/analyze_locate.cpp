@@ -11,6 +11,7 @@
 #include "host/analysis/ground_match.h"
 #include "host/analysis/impossible_places.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/cli/analyze_kit.h"
 #include "host/cli/analyze_verbs.h"
 #include "host/cli/services.h"
@@ -96,7 +97,7 @@ int locate(const LocateRequest& request, Invocation& invocation) {
   for (const LinearFit& part : parts) fit.add(part);
   folder.numbers()["other"] = other.path();
   folder.numbers()["found"] = fit.count, folder.numbers()["of"] = cube.pixels();
-  std::string text = fmt::format("{} of {} pixels lie in the second image\n", fit.count, cube.pixels());
+  std::string text = fmt::format("{} of {} in the second image\n", fit.count, base::counted(cube.pixels(), "pixel"));
   if (fit.count >= 3) {
     const Eigen::Matrix<double, 3, 2> slope = fit.normal.colPivHouseholderQr().solve(fit.right);
     const double rest = std::sqrt(std::max(0.0, fit.squares - (slope.transpose() * fit.right).trace()) /

@@ -8,6 +8,7 @@
 
 #include "host/analysis/empirical_line.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/cli/analyze_kit.h"
 #include "host/cli/analyze_verbs.h"
 #include "host/cli/services.h"
@@ -119,8 +120,10 @@ int reflectance(const ReflectanceRequest& request, Invocation& invocation) {
   double worst = 0;
   for (Eigen::Index b = 0; b < line.rms.size(); ++b)
     if (line.rms[b] > worst) worst = line.rms[b];
-  return folder.finish(cube, fmt::format("{} panels, {} bands ({} tell nothing), worst rms of the line {:.3g}\n",
-                                         panels.size(), cube.bands(), line.dark.size(), worst));
+  return folder.finish(
+      cube,
+      fmt::format("{}, {} ({} tell nothing), worst rms of the line {:.3g}\n", base::counted(panels.size(), "panel"),
+                  base::counted(static_cast<std::size_t>(cube.bands()), "band"), line.dark.size(), worst));
 }
 
 }  // namespace

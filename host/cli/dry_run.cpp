@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/memory.h"
+#include "host/base/text.h"
 #include "host/planner/seconds_text.h"
 
 namespace raycube::cli {
@@ -65,18 +66,21 @@ std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& f
   const auto& instrument = job.image();
   const plan::Plan& plan = job.plan;
   return fmt::format(
-             "{}: {} x {} pixels, {} bands, {} samples per pixel\n"
-             "  plan      nodes: {} heights, {} view angles, {} x {} path directions; sky: {} components, {} "
-             "directions; {} wavelengths\n"
+             "{}: {} x {} pixels, {}, {} per pixel\n"
+             "  plan      nodes: {}, {}, {} x {} path directions; sky: {}, {}; {}\n"
              "  adjacency {}\n"
              "  error     {:.2g} estimated of {:.2g} that the plan may spend (tolerance {:.2g})\n"
              "  memory    scene {}, tile of {} x {} pixels {}, strips {}: {} of {}, baked rows at most {} more; the "
              "OpenCL driver's own "
              "comes on top\n"
              "  products  cube {}, truth {}\n",
-             instrument.name, instrument.pixels, instrument.lines, instrument.bands.size(), forecast.samples,
-             plan.height.count, plan.view.count, plan.path_x.count, plan.path_y.count, plan.sky_components,
-             plan.sky.rays, plan.wavelength_um.size(), adjacency_text(plan), plan.report.total_error,
+             instrument.name, instrument.pixels, instrument.lines, base::counted(instrument.bands.size(), "band"),
+             base::counted(static_cast<std::size_t>(forecast.samples), "sample"),
+             base::counted(static_cast<std::size_t>(plan.height.count), "height"),
+             base::counted(static_cast<std::size_t>(plan.view.count), "view angle"), plan.path_x.count,
+             plan.path_y.count, base::counted(static_cast<std::size_t>(plan.sky_components), "component"),
+             base::counted(static_cast<std::size_t>(plan.sky.rays), "direction"),
+             base::counted(plan.wavelength_um.size(), "wavelength"), adjacency_text(plan), plan.report.total_error,
              plan.report.budget, plan.tolerance, base::format_bytes(forecast.scene_bytes), forecast.tile_columns,
              forecast.tile_lines, base::format_bytes(forecast.tile_bytes), base::format_bytes(forecast.strip_bytes),
              base::format_bytes(forecast.total_bytes()), base::format_bytes(forecast.budget_bytes),
@@ -92,12 +96,15 @@ std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& f
 std::string dry_run_text(const scene::Lidar& lidar, const run::LidarForecast& forecast) {
   const auto& plan = forecast.job.plan;
   return fmt::format(
-      "{}: {} pulses, {} pixels x {} wavelengths x {} bins\n"
-      "  rays      {:.3g} first rays, {} spectral nodes\n"
-      "  memory    {} pulses at a time\n"
+      "{}: {}, {} pixels x {} wavelengths x {} bins\n"
+      "  rays      {} first rays, {}\n"
+      "  memory    {} at a time\n"
       "  products  waveforms {}\n",
-      lidar.name, lidar.pulses, plan.pixels(), plan.lines(), lidar.gate.bins, static_cast<double>(forecast.rays),
-      plan.nodes.size(), forecast.pulses_per_batch, base::format_bytes(forecast.waveform_bytes));
+      lidar.name, base::counted(static_cast<std::size_t>(lidar.pulses), "pulse"), plan.pixels(), plan.lines(),
+      lidar.gate.bins, base::about_count(static_cast<double>(forecast.rays)),
+      base::counted(plan.nodes.size(), "spectral node"),
+      base::counted(static_cast<std::size_t>(forecast.pulses_per_batch), "pulse"),
+      base::format_bytes(forecast.waveform_bytes));
 }
 
 }  // namespace raycube::cli

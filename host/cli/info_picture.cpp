@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/interrupt.h"
+#include "host/base/text.h"
 #include "host/cli/info_statistics.h"
 #include "host/products/picture_reader.h"
 
@@ -42,8 +43,8 @@ std::string types_text(const PicturePart& part) {
 
 void print_part(std::ostream& out, const PicturePart& part) {
   if (!part.name.empty()) out << fmt::format("  part          {}\n", part.name);
-  out << fmt::format("  size          {} x {} pixels, {} channels, {}{}\n", part.width, part.height,
-                     part.channels.size(), types_text(part),
+  out << fmt::format("  size          {} x {} pixels, {}, {}{}\n", part.width, part.height,
+                     base::counted(part.channels.size(), "channel"), types_text(part),
                      part.compression.empty() ? "" : ", compression " + part.compression);
   for (const auto& [key, text] : part.texts) out << fmt::format("  {:<13} {}\n", key, text);
   if (part.channels.empty()) return;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/text.h"
 #include "host/cli/info_statistics.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/spectrum_file.h"
@@ -47,8 +48,8 @@ void print_spectra(std::ostream& out, const std::string& path, const std::vector
                      spectra.size() == 1 ? "a spectrum" : fmt::format("{} spectra", spectra.size()));
   for (const scene::Material& spectrum : spectra) {
     const auto& um = spectrum.reflectance.wavelength_um;
-    out << fmt::format("  {}{}: {} points, {:.6g} to {:.6g} um\n", spectrum.name.empty() ? "" : spectrum.name + ", ",
-                       spectrum.source, um.size(), um.front(), um.back());
+    out << fmt::format("  {}{}: {}, {:.6g} to {:.6g} um\n", spectrum.name.empty() ? "" : spectrum.name + ", ",
+                       spectrum.source, base::counted(um.size(), "point"), um.front(), um.back());
     out << statistics_title() << statistics_line("reflectance", statistics_of(spectrum.reflectance));
     if (!spectrum.transmittance.value.empty())
       out << statistics_line("transmittance", statistics_of(spectrum.transmittance));

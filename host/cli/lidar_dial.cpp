@@ -17,6 +17,7 @@
 #include "host/base/interrupt.h"
 #include "host/base/json_text.h"
 #include "host/base/publication.h"
+#include "host/base/text.h"
 #include "host/run/dial_run.h"
 #include "host/run/python_chart.h"
 #include "host/lidar/echoes.h"
@@ -249,9 +250,9 @@ int retrieve(DialRequest o, Invocation& invocation) {
     invocation.out << totals.dump() << "\n";
     return 0;
   }
-  invocation.out << fmt::format("{}: {} columns, {} saturated, {} without signal\n", lines.gas,
-                                totals["good"].get<int>(), totals["saturated"].get<int>(),
-                                totals["no_signal"].get<int>());
+  invocation.out << fmt::format("{}: {}, {} saturated, {} without signal\n", lines.gas,
+                                base::counted(totals["good"].get<std::size_t>(), "column"),
+                                totals["saturated"].get<int>(), totals["no_signal"].get<int>());
   invocation.out << fmt::format(
       "deviation from the noiseless return: mean {:.3f} sigma, rms {:.3f} sigma, {:.1f} % within one sigma\n",
       totals["mean_deviation_sigma"].get<double>(), totals["rms_deviation_sigma"].get<double>(),

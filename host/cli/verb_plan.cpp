@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/base/output_file.h"
+#include "host/base/text.h"
 #include "host/run/input_check.h"
 #include "host/run/lidar_job.h"
 #include "host/cli/services.h"
@@ -39,23 +40,25 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
   const planner::Decision& d = job.decision;
   const auto lines = planner::plan_lines(d, job.plan);
   Said said;
-  said.heading = fmt::format("{}: {} x {} pixels, {} bands, tolerance {:.3g} % ({})\n", instrument.name,
-                             instrument.pixels, instrument.lines, instrument.bands.size(), 100 * simulation.tolerance,
-                             measure_text(simulation.tolerance_of));
+  said.heading = fmt::format("{}: {} x {} pixels, {}, tolerance {:.3g} % ({})\n", instrument.name, instrument.pixels,
+                             instrument.lines, base::counted(instrument.bands.size(), "band"),
+                             100 * simulation.tolerance, measure_text(simulation.tolerance_of));
   said.table = planner::lines_text(lines);
   said.summary = fmt::format(
       "  estimated error {} of {:.3g} %: nodes and components {}{}, {}, each of its own worst band; {}\n"
       "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {} s per megapixel on the nominal "
       "machine\n"
-      "  trial           {} pixels, {:.2g} rays\n",
+      "  trial           {}, {} rays\n",
       planner::percent_text(d.total_error), 100 * simulation.tolerance, planner::percent_text(d.plan_error),
       d.model_pixels > 0
-          ? fmt::format(
-                " (on {} pixels against the whole tables; in the table above {} for the worst place and obstacle)",
-                d.model_pixels, planner::percent_text(d.plan_estimate))
+          ? fmt::format(" (on {} against the whole tables; in the table above {} for the worst place and obstacle)",
+                        base::counted(static_cast<std::size_t>(d.model_pixels), "pixel"),
+                        planner::percent_text(d.plan_estimate))
           : "",
       planner::drawn_text(d), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT", d.counts.rays(), d.counts.terms,
-      d.counts.bands, planner::seconds_text(d.s_per_megapixel), d.trial_pixels, static_cast<double>(d.trial_rays));
+      d.counts.bands, planner::seconds_text(d.s_per_megapixel),
+      base::counted(static_cast<std::size_t>(d.trial_pixels), "pixel"),
+      base::about_count(static_cast<double>(d.trial_rays)));
   said.entry = {instrument.name, false, d.sampling, 0, planner::axes_json(job.plan), planner::decision_json(d, lines)};
   said.notes = d.notes;
   return said;
@@ -66,12 +69,14 @@ Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, 
   const run::LidarJob job = run::prepare_lidar(simulation, lidar, services, {&renderer, nullptr, "", true});
   const planner::LidarDecision& d = job.decision;
   Said said;
-  said.heading = fmt::format("{}: {} pulses, tolerance {:.3g} % of the waveforms\n", lidar.name, lidar.pulses,
-                             100 * simulation.tolerance);
+  said.heading =
+      fmt::format("{}: {}, tolerance {:.3g} % of the waveforms\n", lidar.name,
+                  base::counted(static_cast<std::size_t>(lidar.pulses), "pulse"), 100 * simulation.tolerance);
   said.table = planner::lines_text(planner::lidar_lines(d, job.plan));
-  said.summary = fmt::format("  estimated error {}, {}\n  trial           {} pulses, {:.2g} rays\n",
+  said.summary = fmt::format("  estimated error {}, {}\n  trial           {}, {} rays\n",
                              planner::percent_text(d.error), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT",
-                             d.trial_pulses, static_cast<double>(d.trial_rays));
+                             base::counted(static_cast<std::size_t>(d.trial_pulses), "pulse"),
+                             base::about_count(static_cast<double>(d.trial_rays)));
   said.entry.name = lidar.name, said.entry.lidar = true, said.entry.subrays = d.subrays,
   said.entry.decision = run::plan_json(job);
   said.notes = d.notes;

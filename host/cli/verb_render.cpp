@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
+#include "host/base/text.h"
 #include "host/cli/dry_run.h"
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
@@ -198,8 +199,9 @@ std::vector<RenderedFile> files_of(const RenderRequest& options, const CommonOpt
   const std::filesystem::path out = common.output.empty() ? "out" : common.output;
   if (options.files.size() == 1) return {{options.files.front(), out.string()}};
   if (!options.plan.empty())
-    throw base::Error(base::Fault::input, "--plan is of one simulation (found " + std::to_string(options.files.size()) +
-                                              " files); render each with its own");
+    throw base::Error(base::Fault::input, "--plan is of one simulation (found " +
+                                              base::counted(options.files.size(), "file") +
+                                              "); render each with its own");
   std::vector<RenderedFile> all;
   for (const std::string& file : options.files) {
     const std::string folder = (out / std::filesystem::path(file).stem()).string();

@@ -256,9 +256,8 @@ int run(const TuneRequest& options, Invocation& invocation) {
     if (found.tile) {
       tuning.tile_samples = found.tile->size;
       item["tile"] = choice_json(*found.tile, "samples");
-      text += fmt::format("  tiles of {:.3g} samples: {:.3f} s, of {:.3g}: {:.3f} s\n",
-                          static_cast<double>(found.tile->size), found.tile->seconds,
-                          static_cast<double>(render::default_tuning(device).tile_samples), found.tile->preset_seconds);
+      text += fmt::format("  tiles of {} samples: {:.3f} s, of {}: {:.3f} s\n", found.tile->size, found.tile->seconds,
+                          render::default_tuning(device).tile_samples, found.tile->preset_seconds);
     }
     result["instruments"].push_back(std::move(item));
     if (!invocation.common.json) invocation.out << text;

@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/base/input_file.h"
 #include "host/base/json_text.h"
+#include "host/base/text.h"
 #include "host/plan/sky_rays.h"
 #include "host/planner/plan_lines.h"
 #include "host/planner/replicated.h"
@@ -262,7 +263,7 @@ LidarDecision replayed(const PlanFile::Entry& entry, const std::vector<std::stri
                        const lidar::LidarPlan& plan, double tolerance, const std::string& path) {
   LidarDecision out = subrays_as_given(plan, tolerance);
   if (out.given && out.subrays != entry.subrays)
-    conflict(path, entry.name, "subrays", std::to_string(out.subrays), std::to_string(entry.subrays) + " sub-rays");
+    conflict(path, entry.name, "subrays", std::to_string(out.subrays), base::counted(entry.subrays, "sub-ray"));
   out.subrays = entry.subrays;
   out.rays_per_pulse = rays_of_pulse(plan, out.subrays);
   if (changes.empty() && entry.decision.contains("pulse_error") && entry.decision.at("pulse_error").is_number())

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/text.h"
 #include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
@@ -17,8 +18,10 @@ using Json = nlohmann::json;
 /// A number, or null below 0: not estimated.
 Json number(double value) { return value < 0 ? Json() : Json(value); }
 
-std::string plural(std::size_t count, const std::string& what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+/// Rays of a pixel, in the mean.
+std::string rays_text(double rays) {
+  const std::string number = fmt::format("{:.0f}", rays);
+  return number + (number == "1" ? " ray a pixel" : " rays a pixel");
 }
 
 /// An axis of `count` nodes: its error, the sum of these lists, and that of the next fewer.
@@ -26,7 +29,7 @@ PlanLine axis_line(const plan::AxisErrors& axes, const std::string& block, int c
                    const std::vector<const std::vector<double>*>& errors, const std::string& cost) {
   PlanLine line;
   line.block = block;
-  line.level = plural(static_cast<std::size_t>(count), "node");
+  line.level = base::counted(static_cast<std::size_t>(count), "node");
   line.cost = cost;
   line.why = "linear between nodes; midpoints inside their share of the tolerance";
   line.given = given;
@@ -46,10 +49,10 @@ PlanLine axis_line(const plan::AxisErrors& axes, const std::string& block, int c
 PlanLine sky_line(const std::vector<plan::SkyLevelReport>& levels, const std::string& block, int components,
                   int channels) {
   PlanLine line{block,
-                components == 0 ? "off" : plural(static_cast<std::size_t>(components), "component"),
+                components == 0 ? "off" : base::counted(static_cast<std::size_t>(components), "component"),
                 0,
                 -1,
-                plural(static_cast<std::size_t>(components), "source"),
+                base::counted(static_cast<std::size_t>(components), "source"),
                 "",
                 false};
   for (const auto& level : levels) {
@@ -58,7 +61,8 @@ PlanLine sky_line(const std::vector<plan::SkyLevelReport>& levels, const std::st
     if (level.components == components - 1) line.next_error = level.error;
   }
   line.why = components == 0 ? "no light of the sky, or too dark to be seen"
-                             : fmt::format("worst obstacle beside typical surfaces; {} channels in all", channels);
+                             : fmt::format("worst obstacle beside typical surfaces; {} in all",
+                                           base::counted(static_cast<std::size_t>(channels), "channel"));
   return line;
 }
 
@@ -66,14 +70,14 @@ PlanLine sky_line(const std::vector<plan::SkyLevelReport>& levels, const std::st
 PlanLine small_objects_line(const sensors::SmallObjectSurvey& survey) {
   PlanLine line;
   line.block = "small objects";
-  line.level = survey.on ? plural(survey.scarce, "object") : "off";
+  line.level = survey.on ? base::counted(survey.scarce, "object") : "off";
   line.cost = "none";
   if (survey.on && !survey.levels.empty())
-    line.cost = fmt::format("{:.2g} rays in {} pixels, {} at most in one", survey.more_samples, survey.pixels,
-                            survey.levels.rbegin()->first);
+    line.cost = fmt::format("{} rays in {}, {} at most in one", base::about_count(survey.more_samples),
+                            base::counted(survey.pixels, "pixel"), survey.levels.rbegin()->first);
   line.why = survey.on ? "known from their boxes: an rms over pixels does not see them"
                        : fmt::format("{} of {} have too few samples on them", survey.missed.size(),
-                                     plural(survey.objects, "object"));
+                                     base::counted(survey.objects, "object"));
   return line;
 }
 
@@ -111,8 +115,8 @@ std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const 
     list += fmt::format(
         "{}'{}' ({:.2g} x {:.2g} x {:.2g} m, {:.2g} of a pixel's area, {:.2g} samples on it; {} from line "
         "{}, sample {})",
-        i ? ", " : "", o.name, o.size_m[0], o.size_m[1], o.size_m[2], o.share, o.points, plural(o.pixels, "pixel"),
-        o.line, o.sample);
+        i ? ", " : "", o.name, o.size_m[0], o.size_m[1], o.size_m[2], o.share, o.points,
+        base::counted(o.pixels, "pixel"), o.line, o.sample);
   }
   if (survey.missed.size() > named) list += ", ...";
   const std::string way_out =
@@ -122,7 +126,7 @@ std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const 
   return fmt::format(
       "{}: {} of {} smaller than {} pixels may be missed, or have an abundance wrong by more than 20 %, with "
       "fewer than {} of the samples on each: {}; {}",
-      instrument.name, survey.missed.size(), plural(survey.objects, "object"), sensors::kWidest_px,
+      instrument.name, survey.missed.size(), base::counted(survey.objects, "object"), sensors::kWidest_px,
       sensors::kFewestPoints, list, way_out);
 }
 
@@ -147,7 +151,7 @@ double drawn_error(const Decision& d) {
 std::string tried_text(const Decision& d) {
   return d.sampling.replicates > 1
              ? fmt::format("spread of {} replicates of all pixels, sky included", d.sampling.replicates)
-             : fmt::format("trial of {} pixels", d.trial_pixels);
+             : "trial of " + base::counted(static_cast<std::size_t>(d.trial_pixels), "pixel");
 }
 
 /// What the planner settles: samples of a pixel, directions of the sky.
@@ -157,7 +161,7 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
   samples.level = sampling_text(d.sampling);
   samples.error = d.samples_error, samples.next_error = d.samples_less_error, samples.given = d.samples_given;
   if (d.sampling.replicates > 1) samples.error = drawn_error(d);
-  samples.cost = fmt::format("{:.0f} rays a pixel", d.counts.samples);
+  samples.cost = rays_text(d.counts.samples);
   samples.why = d.samples_given
                     ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
                 : d.estimated ? tried_text(d)
@@ -179,7 +183,7 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
               : d.sampling.replicates > 1 ? fmt::format("{} x {}", d.sampling.replicates, d.sampling.directions)
                                           : std::to_string(d.sampling.directions);
   sky.error = d.sky_error, sky.next_error = d.sky_less_error, sky.given = d.directions_given;
-  sky.cost = fmt::format("{:.0f} rays a pixel", d.counts.sky_rays);
+  sky.cost = rays_text(d.counts.sky_rays);
   sky.why = !plan.sends_rays() ? "nothing comes from the sky"
             : d.directions_given
                 ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
@@ -212,12 +216,13 @@ PlanLine bounces_line(const plan::Plan& plan) {
                         worst_told(b))
                   : "light scattered once is that near, after a look at what surfaces see of each other";
   return {"between surfaces",
-          b.any()
-              ? fmt::format("{}{} more", chosen ? "up to " : "", plural(static_cast<std::size_t>(b.levels), "surface"))
-              : "none",
+          b.any() ? fmt::format("{}{} more", chosen ? "up to " : "",
+                                base::counted(static_cast<std::size_t>(b.levels), "surface"))
+                  : "none",
           chosen ? missed : b.error,
           chosen && b.any() ? once_missed : -1,
-          b.any() ? fmt::format("{} paths a pixel, {}", plan.paths(), plural(b.skeleton.size(), "wavelength")) : "none",
+          b.any() ? fmt::format("{} paths a pixel, {}", plan.paths(), base::counted(b.skeleton.size(), "wavelength"))
+                  : "none",
           why,
           !chosen && !open};
 }
@@ -232,37 +237,36 @@ std::string drawn_text(const Decision& d) {
 std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
   const plan::PlanReport& report = plan.report;
   std::vector<PlanLine> lines;
-  lines.push_back({"spectral grid", plural(plan.wavelength_um.size(), "wavelength"), 0, -1, "none after baking",
+  lines.push_back({"spectral grid", base::counted(plan.wavelength_um.size(), "wavelength"), 0, -1, "none after baking",
                    "nodes of air and materials and their midpoints: exact for both linear in between", false});
   if (report.thermal) {
     const double sun_share = report.thermal->sun_share;
     lines.push_back({"sun", plan.sun_sources > 0 ? "on" : "left out", plan.sun_sources > 0 ? 0 : sun_share,
-                     plan.sun_sources > 0 ? sun_share : -1, fmt::format("{:.0f} rays a pixel", d.counts.sun_rays),
+                     plan.sun_sources > 0 ? sun_share : -1, rays_text(d.counts.sun_rays),
                      "its largest share of any band beside thermal light", false});
   } else {
-    lines.push_back({"sun", plan.sun_up ? "on" : "below the horizon", 0, -1,
-                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "", false});
+    lines.push_back({"sun", plan.sun_up ? "on" : "below the horizon", 0, -1, rays_text(d.counts.sun_rays), "", false});
   }
   lines.push_back(sky_line(report.sky_levels, "sky", plan.sky_components, plan.source_channels()));
   lines.back().given = report.given.sky_rank > 0;
   if (report.thermal) {
     lines.push_back(
         sky_line(report.thermal->sky_levels, "thermal sky", plan.thermal.sky_components, plan.source_channels()));
-    lines.push_back({"temperatures", plural(static_cast<std::size_t>(plan.thermal.nodes()), "node"),
+    lines.push_back({"temperatures", base::counted(static_cast<std::size_t>(plan.thermal.nodes()), "node"),
                      report.thermal->temperature_nodes_error, -1,
-                     plural(static_cast<std::size_t>(plan.thermal.nodes()), "source"),
+                     base::counted(static_cast<std::size_t>(plan.thermal.nodes()), "source"),
                      fmt::format("{} distinct temperatures in the scene", report.thermal->temperatures), false});
   }
   if (plan.lamps.sources() > 0)
     lines.push_back({"lamps",
-                     fmt::format("{}, {}", plural(plan.lamps.lamp.size(), "lamp"),
-                                 plural(static_cast<std::size_t>(plan.lamps.sources()), "source")),
-                     0, -1, fmt::format("{:.0f} rays a pixel", d.counts.lamp_rays), "a source for each spectrum",
-                     false});
+                     fmt::format("{}, {}", base::counted(plan.lamps.lamp.size(), "lamp"),
+                                 base::counted(static_cast<std::size_t>(plan.lamps.sources()), "source")),
+                     0, -1, rays_text(d.counts.lamp_rays), "a source for each spectrum", false});
   const plan::AxisErrors& axes = report.axes;
   const scene::PlanOverrides& given = report.given;
-  const std::string sources = fmt::format("{} channels of sources", plan.source_channels()),
-                    path = fmt::format("{} channels of path", plan.path_channels());
+  const std::string sources =
+                        base::counted(static_cast<std::size_t>(plan.source_channels()), "channel") + " of sources",
+                    path = base::counted(static_cast<std::size_t>(plan.path_channels()), "channel") + " of path";
   lines.push_back(axis_line(axes, "target height", plan.height.count, given.height_nodes > 0,
                             {&axes.source_height, &axes.path_height}, sources));
   lines.push_back(axis_line(axes, "view zenith", plan.view.count, given.view_nodes > 0, {&axes.source_view}, sources));

@@ -279,8 +279,8 @@ class Parser {
   template <class List>
   void check_length(const char* key, List& list, std::size_t wanted) {
     if (list.empty() || list.size() == wanted) return;
-    warnings_.push_back(
-        fmt::format("{}: \"{}\" has {} values, not {}; it is ignored", file_, key, list.size(), wanted));
+    warnings_.push_back(fmt::format("{}: \"{}\" has {}, not {}; it is ignored", file_, key,
+                                    base::counted(list.size(), "value"), wanted));
     list.clear();
   }
 

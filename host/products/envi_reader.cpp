@@ -17,6 +17,7 @@
 #include "host/base/input_file.h"
 #include "host/base/publication.h"
 #include "host/base/memory.h"
+#include "host/base/text.h"
 
 namespace raycube::products {
 namespace fs = std::filesystem;
@@ -157,7 +158,7 @@ EnviReader::EnviReader(const std::string& path) : state_(std::make_unique<State>
                                           s.header.type().name, s.header.header_offset, wanted, found));
   if (found > wanted)
     s.header.warnings.push_back(
-        fmt::format("{}: has {} bytes more than its header describes", s.paths.data, found - wanted));
+        fmt::format("{}: has {} more than its header describes", s.paths.data, base::counted(found - wanted, "byte")));
 }
 
 EnviReader::~EnviReader() = default;

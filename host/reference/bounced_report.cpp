@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/text.h"
 #include "host/reference/report_text.h"
 
 namespace raycube::reference {
@@ -33,8 +34,8 @@ std::string BouncedReport::text() const {
   double device = 0, reference = 0;
   for (const Band& band : bands) device += band.device, reference += band.reference;
   const Band& band = bands[worst()];
-  return "\nlight between surfaces (" + std::to_string(pixels) + " pixels, " + std::to_string(paths) +
-         " paths of the reference): all bands " + three_digits(reference != 0 ? device / reference : 1) +
+  return "\nlight between surfaces (" + base::counted(pixels, "pixel") + ", " + base::counted(paths, "path") +
+         " of the reference): all bands " + three_digits(reference != 0 ? device / reference : 1) +
          " of the reference; the worst, " + std::to_string(worst() + 1) + ", " +
          three_digits(band.reference != 0 ? band.device / band.reference : 1) + " +- " +
          three_digits(band.reference != 0 ? band.error / std::abs(band.reference) : 0) + ", " +

@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/parallel.h"
+#include "host/base/text.h"
 #include "host/reference/lamp_light.h"
 #include "host/reference/spread.h"
 #include "host/reference/tie_search.h"
@@ -204,8 +205,8 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
       device.radiance.size() != plan_.bands.size())
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) +
                                             " hits and " + std::to_string(device.radiance.size()) +
-                                            " bands of a pixel with " + std::to_string(samples) + " samples and " +
-                                            std::to_string(plan_.bands.size()) + " bands");
+                                            " bands of a pixel with " + base::counted(samples, "sample") + " and " +
+                                            base::counted(plan_.bands.size(), "band"));
   Result result;
   result.number = pixel.number;
   result.line = device.address.line, result.sample = device.address.sample;

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/text.h"
 #include "host/reference/lidar_compare.h"
 #include "host/reference/report_text.h"
 
@@ -20,8 +21,8 @@ std::vector<std::string> LidarReport::failures() const {
                   " first hits differ without explanation, the first in pulse " + std::to_string(unexplained_pulse) +
                   ", ray " + std::to_string(unexplained_ray));
   if (beyond_pulses > 0)
-    out.push_back(std::to_string(beyond_pulses) + " pulses differ by more than " + three_digits(limits.bin) +
-                  " of their peak bin, the worst by " + three_digits(worst) + " in pulse " +
+    out.push_back(base::counted(beyond_pulses, "pulse differs", "pulses differ") + " by more than " +
+                  three_digits(limits.bin) + " of their peak bin, the worst by " + three_digits(worst) + " in pulse " +
                   std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " +
                   std::to_string(worst_bin));
   if (!(ledger_closure <= limits.ledger))
@@ -57,7 +58,7 @@ std::string LidarReport::text() const {
     out += " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " +
            std::to_string(worst_bin);
   if (rounded_pulses > 0)
-    out += "; " + std::to_string(rounded_pulses) + " pulses beyond it by no more than rounded paths do (" +
+    out += "; " + base::counted(rounded_pulses, "pulse") + " beyond it by no more than rounded paths do (" +
            three_digits(1e6 * float_path_m) + " um), the worst by " + three_digits(rounded_worst);
   if (has_air)
     out += "\nreturns of air and particles, over their own peak bin: median of pulses " + three_digits(air_median) +

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/text.h"
 #include "host/reference/compare.h"
 #include "host/reference/report_text.h"
 
@@ -110,19 +111,22 @@ std::vector<std::string> Report::failures() const {
                   name_of(r.exact));
   }
   if (unexplained(*this) > 0)
-    out.push_back(std::to_string(unexplained(*this)) + " first hits differ without explanation");
-  if (sun_unexplained > 0) out.push_back(std::to_string(sun_unexplained) + " sun rays differ without explanation");
+    out.push_back(base::counted(unexplained(*this), "first hit differs", "first hits differ") + " without explanation");
+  if (sun_unexplained > 0)
+    out.push_back(base::counted(sun_unexplained, "sun ray differs", "sun rays differ") + " without explanation");
   if (sky_unexplained > 0)
-    out.push_back(std::to_string(sky_unexplained) + " samples see another sky without explanation");
+    out.push_back(base::counted(sky_unexplained, "sample sees", "samples see") + " another sky without explanation");
   if (lamp_unexplained > 0)
-    out.push_back(std::to_string(lamp_unexplained) + " sides of samples get other lamplight without explanation");
+    out.push_back(base::counted(lamp_unexplained, "side of a sample gets", "sides of samples get") +
+                  " other lamplight without explanation");
   if (!(worst_median < limits.median))
     out.push_back("a band's median difference is " + three_digits(worst_median) + ", limit " +
                   three_digits(limits.median));
   if (beyond_pixels > 0)
-    out.push_back(std::to_string(beyond_pixels) + " pixels differ by more than " + three_digits(limits.worst) +
-                  ", the worst by " + three_digits(worst) + " in band " + std::to_string(worst_band + 1) + " at line " +
-                  std::to_string(worst_line) + ", sample " + std::to_string(worst_sample));
+    out.push_back(base::counted(beyond_pixels, "pixel differs", "pixels differ") + " by more than " +
+                  three_digits(limits.worst) + ", the worst by " + three_digits(worst) + " in band " +
+                  std::to_string(worst_band + 1) + " at line " + std::to_string(worst_line) + ", sample " +
+                  std::to_string(worst_sample));
   if (model_pixels > 0 && !(model_total.figure <= limits.model))
     out.push_back("the full tables differ by " + three_digits(model_total.figure) + " in band " +
                   std::to_string(model_total.band + 1) + ", tolerance " + three_digits(limits.model));
@@ -154,7 +158,7 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
          " at line " + std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) + "; pixels left out " +
          std::to_string(excluded_pixels);
   if (model_pixels > 0)
-    out += "\nmodel (" + std::to_string(model_pixels) + " pixels): " + three_digits(model_total.figure) + " in band " +
+    out += "\nmodel (" + base::counted(model_pixels, "pixel") + "): " + three_digits(model_total.figure) + " in band " +
            band(model_total.band) + " (tolerance " + three_digits(limits.model) + "); sun " +
            three_digits(model_sun.figure) + ", sky " + three_digits(model_sky.figure) + ", path " +
            three_digits(model_path.figure);

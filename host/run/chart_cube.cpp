@@ -6,6 +6,7 @@
 
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/run/chart_point.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/judged_pixels.h"
@@ -94,11 +95,11 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
   first_device.device = devices.front();
   judge_as_asked(reference, subject, finest, tiles, first_device);
   chart.own_error = study::own_error(reference);
-  chart.reference = "Embree and double, full tables, " + std::to_string(2 * settings.grid * settings.grid) +
-                    " samples, " + std::to_string(2 * settings.grid * settings.grid * settings.per_sample) +
+  chart.reference = "Embree and double, full tables, " + base::counted(2 * settings.grid * settings.grid, "sample") +
+                    ", " + std::to_string(2 * settings.grid * settings.grid * settings.per_sample) +
                     " sky rays a pixel";
   if (settings.levels > 0)
-    chart.reference += ", " + std::to_string(2 * settings.paths) + " paths to " + std::to_string(settings.levels) +
+    chart.reference += ", " + base::counted(2 * settings.paths, "path") + " to " + std::to_string(settings.levels) +
                        " surfaces after the first (light of the plan's components)";
   chart.what_time = "the whole image of " + std::to_string(instrument.pixels) + " x " +
                     std::to_string(instrument.lines) +

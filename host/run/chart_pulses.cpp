@@ -2,6 +2,7 @@
 
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/run/chart_point.h"
 #include "host/run/check_lidar.h"
 #include "host/run/lidar_job.h"
@@ -60,10 +61,10 @@ Chart chart_pulses(scene::Simulation& simulation, std::size_t index, const Chart
       &kept);
   if (!kept.warning.empty()) services.log.warning(kept.warning);
   const study::ConvergedPulses reference{found.bands, finest.lidar.gate.bin_s, found.radiance, found.half};
-  chart.reference = "Embree and double, " + std::to_string(2 * finest.footprint.a.size()) + " sub-rays, " +
+  chart.reference = "Embree and double, " + base::counted(2 * finest.footprint.a.size(), "sub-ray") + ", " +
                     std::to_string(finest.lidar.transport.max_bounces) + " bounces";
   chart.what_time =
-      "the survey's " + std::to_string(lidar.pulses) + " pulses: tracing and binning, without moving data";
+      "the survey's " + base::counted(lidar.pulses, "pulse") + ": tracing and binning, without moving data";
   for (const std::string& number : devices) {
     render::RenderOptions where = given;
     where.device = number;

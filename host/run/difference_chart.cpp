@@ -1,3 +1,4 @@
+#include "host/base/text.h"
 #include "host/run/difference_chart.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ products::Raster difference_chart(const reference::Report& report, const scene::
   const int tall = std::max(height, 8 * kLine);
   const std::string title = instrument.name + ": relative difference of device and reference";
   const std::string subtitle =
-      std::to_string(report.pixels) + " pixels, " + std::to_string(report.bands.size()) + " bands, worst " + [&] {
+      base::counted(report.pixels, "pixel") + ", " + base::counted(report.bands.size(), "band") + ", worst " + [&] {
         char text[32];
         std::snprintf(text, sizeof text, "%.2g", report.worst);
         return std::string(text);

@@ -53,13 +53,13 @@ void RadianceGuard::add(std::int64_t first_line, std::int64_t lines, const float
 std::optional<std::string> RadianceGuard::warning() const {
   if (pixels_ == 0) return std::nullopt;
   return fmt::format(
-      "{}: {} of {} pixels are brighter than E0 / (pi (1 - S)) + B(T) + path radiance and all lamps at 1 cm, which no "
+      "{}: {} of {} pixels {} brighter than E0 / (pi (1 - S)) + B(T) + path radiance and all lamps at 1 cm, which no "
       "Lambertian surface can be: at worst {:.3g} "
       "times, pixel {} of line {} in {}; the atmosphere's table or a reflectance above 1 may be wrong, or a lamp lies "
       "on "
       "what it lights",
-      instrument_.name, pixels_, std::int64_t{instrument_.pixels} * instrument_.lines, worst_, worst_pixel_,
-      worst_line_, band_text(worst_band_));
+      instrument_.name, pixels_, std::int64_t{instrument_.pixels} * instrument_.lines, pixels_ == 1 ? "is" : "are",
+      worst_, worst_pixel_, worst_line_, band_text(worst_band_));
 }
 
 std::string RadianceGuard::json() const {

@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/base/text.h"
 #include "host/base/timing.h"
 #include "host/cl/device.h"
 #include "host/planner/own_error.h"
@@ -126,8 +127,9 @@ void add_small_objects(const CameraJob& job, const render::RenderStatistics& sta
   for (const auto& [samples, pixels] : statistics.small_object_pixels)
     levels.push_back({{"samples_per_pixel", samples}, {"pixels", pixels}});
   record.more_json.emplace_back("small_objects", levels.dump());
-  services.log.info(fmt::format("{}: {} small objects in {} pixels, rendered anew with up to {} samples",
-                                job.instrument->name, job.decision.small.scarce, job.decision.small.pixels,
+  services.log.info(fmt::format("{}: {} in {}, rendered anew with up to {} samples", job.instrument->name,
+                                base::counted(job.decision.small.scarce, "small object"),
+                                base::counted(job.decision.small.pixels, "pixel"),
                                 statistics.small_object_pixels.rbegin()->first));
 }
 
@@ -202,9 +204,9 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   if (output.missed().any()) add_warning(output.missed().text(), record, services);
   add_error(renderer, simulation, job, statistics.spread, record, services);
   output.publish(record, services);
-  services.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
-                                job.image().pixels, job.image().lines, job.image().bands.size(), took.render_s,
-                                record.rays_per_s, destination.folder));
+  services.log.info(fmt::format("{}: {} x {} pixels, {}, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
+                                job.image().pixels, job.image().lines, base::counted(job.image().bands.size(), "band"),
+                                took.render_s, record.rays_per_s, destination.folder));
   return {
       instrument.name,   destination.folder,       record.digest, destination.folder + "/radiance.img", took.render_s,
       record.rays_per_s, record.band_samples_per_s};

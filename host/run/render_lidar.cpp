@@ -32,6 +32,7 @@
 #include "host/reference/double_trace.h"
 #include "host/reference/embree_scene.h"
 #include "host/base/parallel.h"
+#include "host/base/text.h"
 #include "host/render/lidar_renderer.h"
 #include "scene_compiler/ground.h"
 
@@ -410,9 +411,9 @@ LidarRun render_lidar(const scene::Simulation& simulation, const scene::Lidar& l
   }
   if (100 * survey.cut > survey.echoes) {
     record.warnings.push_back(fmt::format(
-        "{}: {} of {} returns lie within half a pulse of the gate's ends, where their ranges are but bounds "
+        "{}: {} of {} within half a pulse of the gate's ends, where their ranges are but bounds "
         "(cut_by_gate in returns.csv, withheld in LAS); see start_range_m and stop_range_m",
-        lidar.name, survey.cut, survey.echoes));
+        lidar.name, survey.cut, survey.echoes == 1 ? "1 return lies" : fmt::format("{} returns lie", survey.echoes)));
     services.log.warning(record.warnings.back());
   }
   add_error(job, record, services);
@@ -422,9 +423,10 @@ LidarRun render_lidar(const scene::Simulation& simulation, const scene::Lidar& l
     services.log.warning(lidar.name + ": " + record.warnings[i]);
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
   services.log.info(
-      fmt::format("{}: {} pulses, {} returns, {:.3g} expected of surfaces and volumes, {:.1f} s, {:.3g} pulses/s, "
+      fmt::format("{}: {}, {}, {:.3g} expected of surfaces and volumes, {:.1f} s, {:.3g} pulses/s, "
                   "energy ledger within {:.1e}, {}",
-                  lidar.name, lidar.pulses, survey.echoes, survey.light.returns_of_matter(), render_s, pulses_per_s,
+                  lidar.name, base::counted(static_cast<std::size_t>(lidar.pulses), "pulse"),
+                  base::counted(survey.echoes, "return"), survey.light.returns_of_matter(), render_s, pulses_per_s,
                   survey.worst_ledger, destination.folder));
   return {lidar.name,         destination.folder, record.digest, main_file(lidar, destination.folder),
           lidar.pulses,       survey.echoes,      render_s,      pulses_per_s,

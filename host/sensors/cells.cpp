@@ -257,7 +257,7 @@ std::vector<std::size_t> lay_out(Cells& cells, const std::vector<OpticalTransfer
     throw base::Error(
         base::Fault::input,
         fmt::format("instrument '{}': its focal planes make {:.0f} x {:.0f} cells of its pixels, more than "
-                    "{:.0e}; split the image, or lower oversampling",
+                    "{:.0f}; split the image, or lower oversampling",
                     seen.name, across, along, most));
   cells.rendered.pixels = static_cast<int>(across), cells.rendered.lines = static_cast<int>(along);
   return made_for;

@@ -102,7 +102,7 @@ columns = {column["name"]: column for column in imported["runs"][0]["columns"]}
 assert (
     abs(columns["solar_irradiance"]["values"][0] - 3.2) < 1e-12 and columns["solar_irradiance"]["unit"] == "W m-2 um-1"
 )
-assert "direct irradiance: 1 wavelengths, 5 to 5 um" in run("import", output).stdout
+assert "direct irradiance: 1 wavelength, 5 to 5 um" in run("import", output).stdout
 output.write_text(output.read_text().replace("4.00E-07", "********"))
 assert f"{output}:2: SOL_TR did not fit its field" in run("import", output, status=2).stderr
 assert "tape7, 7sc" in run("import", output, "--format", "tape8", status=2).stderr

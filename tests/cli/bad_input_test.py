@@ -70,7 +70,7 @@ kFaults = {
         [kDarkFile],
         spectrum("0.3,0.1\n2.5,0.2\n"),
         [
-            "dark.csv:2: wavelength outside 0.05 .. 1000 um (found 3e-04 um, and at 1 more points); check the unit in "
+            "dark.csv:2: wavelength outside 0.05 .. 1000 um (found 3e-04 um, and at 1 more point); check the unit in "
             "the column's name"
         ],
     ),
@@ -158,7 +158,7 @@ kFaults = {
             "spectra names = {a}\n",
         },
         [
-            "l.sli: spectrum 'a', sample 1: reflectance outside 0 .. 1 (found -429492128, and at 1 more points); "
+            "l.sli: spectrum 'a', sample 1: reflectance outside 0 .. 1 (found -429492128, and at 1 more point); "
             "correct it"
         ],
     ),

@@ -75,7 +75,7 @@ def refused(folder):
     places = np.memmap(folder / "out/camera/location.img", "<f8", "r+")
     places[:3] = np.nan
     places.flush()
-    program.refused("ortho", image, "-o", folder / "new", status=2, says=["1 of its pixels look past the ground"])
+    program.refused("ortho", image, "-o", folder / "new", status=2, says=["1 of its pixels has a view past the ground"])
     program.check(not (folder / "new").exists())
 
 

@@ -94,7 +94,7 @@ def png(folder):
     check([channel["type"] for channel in part["channels"]] == ["UInt16"], part)
     same(part["channels"][0]["statistics"], values, part)
     text = run("info", file).stdout
-    check("4 x 3 pixels, 1 channels, UInt16" in text and "55000" in text and "nobody" in text, text)
+    check("4 x 3 pixels, 1 channel, UInt16" in text and "55000" in text and "nobody" in text, text)
 
 
 OBJ = """o house

@@ -132,7 +132,7 @@ with tempfile.TemporaryDirectory() as made:
     terrain = '[[terrain]]\nmaterial = "m"\nraster = "dem.asc"\nrefine = {}\n'
     instance = '[[instance]]\nmesh = "b"\n'
     for text, says in (
-        (tree + drawn.format(5000.0), ["5e+07 placements", *memory]),
+        (tree + drawn.format(5000.0), ["50000000 placements", *memory]),
         (tree + drawn.format(50.0) * 2, ["beside", *memory]),
         (tree + '[[scatter]]\nmesh = "b"\npositions = "places.csv"\n', ["placements", *memory]),
         (HEAD + checker.format(0.01) * 3, ["squares", *memory]),

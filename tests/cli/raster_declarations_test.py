@@ -219,7 +219,7 @@ def integers(folder):
     ones = numpy.ones((SIZE, SIZE))
     ones[2, 2] = numpy.nan
     (folder / "c.asc").write_text(esri(ones))
-    told(terrain(folder, "fifty.asc", classes), "class has no material (found nan on 1 cells)", status=2)
+    told(terrain(folder, "fifty.asc", classes), "class has no material (found nan on 1 cell)", status=2)
 
 
 def signed_bytes(folder):

@@ -72,7 +72,7 @@ def shipped(folder):
         said = json.loads(program.run("scene", "check", folder / "scene.toml", "--json", *half).stdout)
         if half:
             whole = program.run("scene", "check", folder / "scene.toml", status=2).stderr
-            program.check("12066 x 12066 cells of its pixels, more than 1e+08; split the image" in whole, whole)
+            program.check("12066 x 12066 cells of its pixels, more than 100000000; split the image" in whole, whole)
         program.check(len(said["instrument"]) == 1)
         image, out = render(folder, HEAD + PATTERN + flight + "pixels = 12\nlines = 8\nsamples = { grid = [1, 1] }\n")
         truth = envi(out, "truth")[1].astype("f8")

@@ -171,7 +171,7 @@ with tempfile.TemporaryDirectory() as folder:
     holds("measured", SCENE.format(shape=measured, pulse=PULSE_AND_RECEIVER))
     file = pathlib.Path(folder) / "scene.toml"
     for wrong, says in (
-        (rows[:-1], ["sand.csv", "1 combinations of its angles have no factor", "light 75, viewer 60, azimuth 180"]),
+        (rows[:-1], ["sand.csv", "1 combination of its angles has no factor", "light 75, viewer 60, azimuth 180"]),
         ([rows[0], "0,0,0,1.4,3.5"], ["measured", "more light would leave than comes", "albedo 1.4"]),
     ):
         table.write_text("\n".join(wrong) + "\n")

@@ -318,7 +318,7 @@ TEST_CASE("I8: the comparison finds what it is for") {
   CHECK(failures([](auto&) {}).empty());
   CHECK(failures([](auto& r) {
           *std::max_element(r[3].first.begin(), r[3].first.end()) *= 1.00003f;
-        }).find("1 pulses differ by more than 1e-05") == 0);
+        }).find("1 pulse differs by more than 1e-05") == 0);
   CHECK(failures([](auto& r) {
           r[2].hits[40].primitive ^= 1;
         }).find("first hits differ without explanation, the first in pulse 2, ray 40") != std::string::npos);

@@ -257,7 +257,8 @@ TEST_CASE("S21 measured: what a file lacks or has twice is told with its line") 
       CHECK(said.find(part) != std::string::npos);
     }
   };
-  says(header + "30,40,0,1\n30,40,180,1\n60,40,0,1\n", {"1 combinations", "light 60, viewer 40, azimuth 180"});
+  says(header + "30,40,0,1\n30,40,180,1\n60,40,0,1\n",
+       {"1 combination of its angles has", "light 60, viewer 40, azimuth 180"});
   says(header + "30,40,0,1\n30,40,0,1\n", {"factors.csv:3", "stand twice"});
   CHECK(read_factors(header + "30,40,0,1\n30,40,180,1\n30,40,360,1\n").has_value());  // a whole circle
   says(header + "95,40,0,1\n", {"factors.csv:2", "light_zenith_deg outside", "95"});

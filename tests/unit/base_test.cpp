@@ -14,6 +14,7 @@
 #include "host/base/memory.h"
 #include "host/base/progress.h"
 #include "host/base/sha256.h"
+#include "host/base/text.h"
 #include "host/base/units.h"
 
 using namespace raycube::base;
@@ -147,4 +148,17 @@ TEST_CASE("a log that cannot be opened is an environment error that names the fi
     CHECK(error.fault() == Fault::environment);
     CHECK(std::string(error.what()).find("/proc/no/such/file.jsonl") != std::string::npos);
   }
+}
+
+TEST_CASE("counts are read as English: one thing, several things, and estimates in two digits") {
+  CHECK(counted(1, "post") == "1 post");
+  CHECK(counted(0, "post") == "0 posts");
+  CHECK(counted(1, "vertex", "vertices") == "1 vertex");
+  CHECK(counted(3, "post stands", "posts stand") == "3 posts stand");
+  CHECK(about_count(0) == "0");
+  CHECK(about_count(1.2) == "1");
+  CHECK(about_count(99.7) == "100");
+  CHECK(about_count(19321.7) == "19000");
+  CHECK(about_count(6.3e6) == "6300000");
+  CHECK(about_count(5e16) == "5.0e+16");
 }

@@ -157,7 +157,7 @@ TEST_CASE("bad input: unsorted and duplicate wavelengths") {
 TEST_CASE("bad input: wavelengths in the wrong unit") {
   const Folder folder;
   CHECK_SAYS(material_from(folder, "wavelength_um,reflectance\n4000,0.1\n5000,0.1\n"),
-             "m.csv:2: wavelength outside 0.05 .. 1000 um (found 4000 um, and at 1 more points); check the unit");
+             "m.csv:2: wavelength outside 0.05 .. 1000 um (found 4000 um, and at 1 more point); check the unit");
   CHECK_SAYS(material_from(folder, "wavelength_nm,reflectance\n0.4,0.1\n0.5,0.1\n"), "m.csv:2: wavelength outside");
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("bad input: reflectance outside 0 .. 1 and reflectance + transmittance
   const Folder folder;
   const std::string message = material_from(
       folder, "wavelength_um,reflectance,transmittance\n0.4,-0.1,0\n0.5,1.01,0\n0.6,0.7,0.4\n0.7,0.5,0.5\n");
-  CHECK_SAYS(message, "m.csv:2: reflectance outside 0 .. 1 (found -0.1, and at 1 more points)");
+  CHECK_SAYS(message, "m.csv:2: reflectance outside 0 .. 1 (found -0.1, and at 1 more point)");
   CHECK_SAYS(message, "m.csv:4: reflectance + transmittance above 1 (found 0.7 + 0.4)");
   CHECK(line_count(message) == 2);
 }
@@ -175,7 +175,7 @@ TEST_CASE("bad input: spectrum columns") {
   CHECK_SAYS(material_from(folder, "lambda,reflectance\n0.4,0.1\n"),
              "m.csv:1: no wavelength column (found lambda,reflectance)");
   CHECK_SAYS(material_from(folder, "wavelength_um,r\n0.4,0.1\n"), "m.csv:1: no column 'reflectance'");
-  CHECK_SAYS(material_from(folder, "wavelength_um,reflectance\n0.4,0.1\n0.5\n"), "m.csv:3: row has 1 cells");
+  CHECK_SAYS(material_from(folder, "wavelength_um,reflectance\n0.4,0.1\n0.5\n"), "m.csv:3: row has 1 cell");
 }
 
 TEST_CASE("bad input: a flood of bad points is one line with a count, and says what scale it looks like") {
@@ -417,8 +417,8 @@ TEST_CASE("bad input: objects so far from the origin that single precision loses
   }
   const auto notices = [&](const std::string& place, double size) { return load(folder, box_at(place, size)).notices; };
   REQUIRE(notices("[1e5, 0, 0]", 2).size() == 1);
-  CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "1 objects or terrains lie so far");
-  CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "worst 'hut': 2 m at 1e+05, 0, ");
+  CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "1 object or terrain lies so far");
+  CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "worst 'hut': 2 m at 100000, 0, ");
   CHECK(notices("[1e5, 0, 0]", 40).empty());
   CHECK(notices("[8e3, 0, 0]", 2).empty());
   // A mesh in map coordinates that its placement moves back has lost its digits where it is read in single precision.

@@ -303,7 +303,7 @@ TEST_CASE("S42: spectra as they come: libraries and spectrometers by what stands
   CHECK(m.reflectance.wavelength_um == std::vector<double>{0.4, 1.0, 2.5});
   CHECK(m.reflectance.value[0] == 0);
   CHECK(m.reflectance.value[1] == doctest::Approx(0.45).epsilon(1e-15));
-  CHECK(m.source == "ECOSTRESS, Lawn, 1 values below 0 taken as 0");
+  CHECK(m.source == "ECOSTRESS, Lawn, 1 value below 0 taken as 0");
   std::string head = "USGS Digital Spectral Library splib06a\n";
   for (int i = 2; i <= 14; ++i) head += "line " + std::to_string(i) + "\n";
   folder.write("u6.asc", head +
@@ -311,7 +311,7 @@ TEST_CASE("S42: spectra as they come: libraries and spectrometers by what stands
                              "0.213100  0.3  0.002\n  2.9  0.4  0.01\n");
   m = as_it_comes(folder, "u6.asc");
   CHECK(m.reflectance.wavelength_um == std::vector<double>{0.2131, 2.9});
-  CHECK(m.source == "USGS splib06, Quartz GDS31 W1R1Ba AREF, 1 samples without data left out");
+  CHECK(m.source == "USGS splib06, Quartz GDS31 W1R1Ba AREF, 1 sample without data left out");
   folder.write("u7.txt", " splib07a Record=13: Acmite NMNH133746\n -1.2300000e+034\n 0.25\n 0.35\n");
   folder.write("wavelengths.txt", " splib07a Record=1: Wavelengths ASD 3 ch\n 0.35\n 0.351\n 0.352\n");
   m = as_it_comes(folder, "u7.txt", "wavelengths = \"wavelengths.txt\"\n");

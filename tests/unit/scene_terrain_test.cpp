@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "scene_compiler/document_values.h"
 #include "scene_compiler/ground.h"
 #include "scene_compiler/raster.h"
 #include "scene_compiler/terrain.h"
@@ -134,7 +135,7 @@ TEST_CASE(
   folder.write("dem.asc", ascii_grid(3, 2, 0, 0, 1, {1, 2, 3, 4, 5, 6}));
   folder.write("class.asc", ascii_grid(2, 1, 0.5, 0.5, 1, {1, 7}));
   CHECK_SAYS(refusal(folder, head + "class_map = \"class.asc\"\nmaterials = { 1 = \"dark\" }\n"),
-             "class.asc: row 0, column 1: class has no material (found 7 on 1 cells)");
+             "class.asc: row 0, column 1: class has no material (found 7 on 1 cell)");
   CHECK_SAYS(refusal(folder, head), "a terrain needs exactly one of material, class_map, mixture_map (found 0)");
   folder.write("no.pgm", "P5\n2 2\n255\n" + std::string(4, '\1'));
   CHECK_SAYS(refusal(folder, std::string(kHead) + kTwo + "[[terrain]]\nraster = \"no.pgm\"\nmaterial = \"dark\"\n"),
@@ -244,6 +245,30 @@ TEST_CASE(
   CHECK_WITHIN(drawn - expected, 4 * standard_error / std::sqrt(double{kSeeds}));
   CHECK(load(folder, head + "mixture = \"stochastic\"\n").scene.content_hash ==
         load(folder, head + "mixture = \"stochastic\"\nseed = 1\n").scene.content_hash);
+}
+
+TEST_CASE("one post, one number and one cell are told as one; large counts in digits") {
+  const Folder folder;
+  const std::string head = std::string(kHead) + kTwo + "[[terrain]]\nraster = \"dem.asc\"\nmaterial = \"dark\"\n";
+  const auto told = [&](const std::string& text) {
+    std::string all;
+    for (const auto& notice : load(folder, text).notices) all += notice + "\n";
+    return all;
+  };
+  folder.write("dem.asc", ascii_grid(4, 4, 0, 0, 1, {1, 2, 1, 2, 1, 600, 1, 2, 2, 1, 2, 1, 1, 2, 1, 2}));
+  CHECK_SAYS(told(head), "1 post of height 600 stands alone, more than 100 m from all its neighbours");
+  folder.write("dem.asc", ascii_grid(4, 4, 0, 0, 1, {1, 600, 1, 2, 1, 2, 1, 2, 2, 1, 2, 1, 1, 600, 1, 2}));
+  CHECK_SAYS(told(head), "2 posts of height 600 stand alone, more than 100 m from all their neighbours");
+  folder.write("bands.csv", "center_nm;fwhm_nm\n500,5;20\n");
+  const std::string camera =
+      "[[instrument]]\nname = \"c\"\nkind = \"framing\"\npixels = 1\nlines = 1\nposition_m = [0, 0, 900]\n"
+      "ifov_mrad = 1.0\nbands = { file = \"bands.csv\" }\n";
+  const std::string sun = "[time]\nsun = { zenith_deg = 40, azimuth_deg = 0 }\n";
+  CHECK_SAYS(told(std::string(kHead) + kTwo + sun + camera), "1 number with decimal commas read as such");
+  CHECK(number_text(5e7) == "50000000");
+  CHECK(number_text(-100000.0) == "-100000");
+  CHECK(number_text(1e-20) == "1e-20");
+  CHECK(number_text(2e15) == "2e+15");
 }
 
 TEST_CASE("bad input S2: fractions that do not sum to 1 within 1e-3, or lie outside 0 .. 1") {

@@ -101,7 +101,7 @@ TEST_CASE("spectral libraries: the same grey by every declaration of its header"
     const Read read = library.read(bytes<float>({0.2, 0.75, 0.2, 0.2}), header(out_of_use));
     REQUIRE(read.material);
     CHECK(read.material->reflectance.value.size() == 3);
-    CHECK_SAYS(read.told, "1 samples without data left out (");
+    CHECK_SAYS(read.told, "1 sample without data left out (");
     CHECK(std::count(read.told.begin(), read.told.end(), '\n') == 1);
   }
   const Read short_list = library.read(bytes<float>({0.2, 0.2, 0.2, 0.2}), header("bbl = {1, 0, 1}\n"));
@@ -192,7 +192,7 @@ TEST_CASE("detectors that overlap are joined in the middle of what both see, and
   const Read blanks = library.text("x.txt", "Wavelength\tleaf.asd\n400, 0.25\n500 ,0.25\n600 ; 0,25\n700\t0.25\n\x1a");
   REQUIRE_MESSAGE(blanks.material, blanks.refused);
   CHECK(blanks.material->reflectance.value == std::vector<double>(4, 0.25));
-  CHECK_SAYS(blanks.told, "1 rows with decimal commas read as such");
+  CHECK_SAYS(blanks.told, "1 row with decimal commas read as such");
 }
 
 TEST_CASE("an ASD text has the unit that its column's name has as a word") {
