@@ -176,7 +176,7 @@ void read_by_gdal(const std::string& file, const RasterRequest& request, double 
   std::vector<NumberType> types;
   for (int i = 0; known_bands && i < count; ++i) {
     const GDALRasterBandH band = gdal().GDALGetRasterBand(dataset.get(), request.first_band + i);
-    declared.push_back(base::describe_band(band));
+    declared.push_back(base::describe_band(found, band));
     types.push_back(type_of(band, declared.back()));
     opened.number_bytes += static_cast<double>(type_bytes(types.back()));
     opened.with_flags += !declared.back().mask.empty() || types.back() >= NumberType::f32;

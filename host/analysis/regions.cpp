@@ -138,8 +138,9 @@ bool is_envi(const std::string& file) {
   return false;
 }
 
-std::vector<double> layer_of(GDALDatasetH set, const std::string& file, const std::string& layer, std::int64_t samples,
-                             std::int64_t lines) {
+std::vector<double> layer_of(const base::OpenedByGdal& opened, const std::string& file, const std::string& layer,
+                             std::int64_t samples, std::int64_t lines) {
+  const GDALDatasetH set = opened.set.get();
   const int columns = gdal().GDALGetRasterXSize(set), rows = gdal().GDALGetRasterYSize(set);
   if (columns != samples || rows != lines)
     throw Error(Fault::input, fmt::format("{}: has {} samples x {} lines, the image {} x {}; they must be of one size",
@@ -148,7 +149,7 @@ std::vector<double> layer_of(GDALDatasetH set, const std::string& file, const st
   std::vector<double> out;
   std::vector<base::Pixel> known;
   const base::QuietGdal quiet;
-  if (!base::read_rows(band, base::describe_band(band), 0, rows, out, known))
+  if (!base::read_rows(band, base::describe_band(opened, band), 0, rows, out, known))
     throw Error(Fault::environment, file + ": could not be read" + gdal_reason());
   for (std::size_t i = 0; i < out.size(); ++i)
     if (known[i] != base::Pixel::sound) out[i] = std::numeric_limits<double>::quiet_NaN();
@@ -175,14 +176,14 @@ bool holds(double value, const std::string& comparison, double right) {
   return value == right;
 }
 
-Region of_raster(const std::string& name, const std::string& text, GDALDatasetH set, const std::string& file,
-                 const std::string& condition, const Cube& cube) {
+Region of_raster(const std::string& name, const std::string& text, const base::OpenedByGdal& opened,
+                 const std::string& file, const std::string& condition, const Cube& cube) {
   const Condition wanted = condition_of(condition);
   double right = 0;
   if (!condition.empty() && !parse(wanted.right, right))
     refuse(text, fmt::format("\"{}\" is no number to compare {} with", wanted.right, file));
   const std::vector<double> value = is_envi(file) ? envi_layer(file, wanted.left, cube.samples(), cube.lines())
-                                                  : layer_of(set, file, wanted.left, cube.samples(), cube.lines());
+                                                  : layer_of(opened, file, wanted.left, cube.samples(), cube.lines());
   return region_where(name, cube.samples(), cube.lines(), [&](std::int64_t line, std::int64_t sample) {
     const double here = value[static_cast<std::size_t>(line * cube.samples() + sample)];
     return condition.empty() ? here != 0 && !std::isnan(here) : holds(here, wanted.comparison, right);
@@ -209,7 +210,8 @@ GdalDataset grid_of(const Cube& cube) {
 
 Region of_outlines(const std::string& name, const std::string& text, GDALDatasetH set, const std::string& file,
                    const std::string& condition, const Cube& cube) {
-  const GdalDataset grid = grid_of(cube);
+  base::OpenedByGdal grid;
+  grid.set = grid_of(cube);
   const OGRLayerH layer = gdal().GDALDatasetGetLayer(set, 0);
   const OGRFeatureDefnH fields = layer ? gdal().OGR_L_GetLayerDefn(layer) : nullptr;
   if (!layer || gdal().OGR_FD_GetGeomFieldCount(fields) == 0) refuse(text, file + " has no outlines");
@@ -226,10 +228,10 @@ Region of_outlines(const std::string& name, const std::string& text, GDALDataset
   int band = 1;
   double burnt = 1;
   OGRLayerH layers[] = {layer};
-  if (gdal().GDALRasterizeLayers(grid.get(), 1, &band, 1, layers, nullptr, nullptr, &burnt, nullptr, nullptr,
+  if (gdal().GDALRasterizeLayers(grid.set.get(), 1, &band, 1, layers, nullptr, nullptr, &burnt, nullptr, nullptr,
                                  nullptr) != CE_None)
     refuse(text, file + " could not be laid over the image" + gdal_reason());
-  const std::vector<double> inside = layer_of(grid.get(), file, "", cube.samples(), cube.lines());
+  const std::vector<double> inside = layer_of(grid, file, "", cube.samples(), cube.lines());
   return region_where(name, cube.samples(), cube.lines(), [&](std::int64_t line, std::int64_t sample) {
     return inside[static_cast<std::size_t>(line * cube.samples() + sample)] != 0;
   });
@@ -259,12 +261,13 @@ Region read_region(const std::string& text, const Cube& cube) {
   if (parse_rectangle(what, ends)) return rectangle(name, text, ends, cube);
   const auto at = std::filesystem::exists(what) ? std::string::npos : what.rfind('@');
   const std::string file = what.substr(0, at), condition = at == std::string::npos ? "" : what.substr(at + 1);
-  const auto [set, wrong, refused, told] =
+  const base::OpenedByGdal opened =
       open(is_envi(file) ? products::find_envi_pair(file).data : file, GDAL_OF_RASTER | GDAL_OF_VECTOR);
+  const GDALDatasetH set = opened.set.get();
   if (!set && !std::filesystem::exists(file)) refuse(text, file + " is no X0:X1,Y0:Y1, and no such file is there");
-  if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads (" + wrong + ")");
-  Region out = gdal().GDALGetRasterCount(set.get()) > 0 ? of_raster(name, text, set.get(), file, condition, cube)
-                                                        : of_outlines(name, text, set.get(), file, condition, cube);
+  if (!set) refuse(text, file + " is neither a raster nor a file of outlines that GDAL reads (" + opened.wrong + ")");
+  Region out = gdal().GDALGetRasterCount(set) > 0 ? of_raster(name, text, opened, file, condition, cube)
+                                                  : of_outlines(name, text, set, file, condition, cube);
   if (out.spans().empty()) refuse(text, "no pixel is in it");
   return out;
 }
@@ -272,15 +275,16 @@ Region read_region(const std::string& text, const Cube& cube) {
 std::vector<double> read_layer(const std::string& file, const std::string& layer, std::int64_t samples,
                                std::int64_t lines) {
   if (is_envi(file)) return envi_layer(file, layer, samples, lines);
-  const auto [set, wrong, refused, told] = open(file, GDAL_OF_RASTER);
-  if (!set) throw Error(Fault::input, file + ": is no raster that can be read (" + wrong + ")");
-  return layer_of(set.get(), file, layer, samples, lines);
+  const base::OpenedByGdal opened = open(file, GDAL_OF_RASTER);
+  if (!opened.set) throw Error(Fault::input, file + ": is no raster that can be read (" + opened.wrong + ")");
+  return layer_of(opened, file, layer, samples, lines);
 }
 
 std::vector<Region> read_classes(const std::string& file, const Cube& cube) {
-  const auto [set, wrong, refused, told] = open(file, GDAL_OF_RASTER);
-  if (!set) throw Error(Fault::input, file + ": is no raster that can be read (" + wrong + ")");
-  const std::vector<double> value = layer_of(set.get(), file, "", cube.samples(), cube.lines());
+  const base::OpenedByGdal opened = open(file, GDAL_OF_RASTER);
+  const GDALDatasetH set = opened.set.get();
+  if (!set) throw Error(Fault::input, file + ": is no raster that can be read (" + opened.wrong + ")");
+  const std::vector<double> value = layer_of(opened, file, "", cube.samples(), cube.lines());
   std::map<double, bool> values;
   for (const double v : value) {
     if (std::isfinite(v) && v != 0) values[v] = true;
@@ -288,7 +292,7 @@ std::vector<Region> read_classes(const std::string& file, const Cube& cube) {
       throw Error(Fault::input, file + ": has more than 10000 different values; it is no raster of classes");
   }
   if (values.empty()) throw Error(Fault::input, file + ": no pixel has a class (all are 0)");
-  char** const names = gdal().GDALGetRasterCategoryNames(gdal().GDALGetRasterBand(set.get(), 1));
+  char** const names = gdal().GDALGetRasterCategoryNames(gdal().GDALGetRasterBand(set, 1));
   std::vector<Region> out;
   for (const auto& [number, unused] : values) {
     const bool named = names && number == std::floor(number) && number > 0 && number < gdal().CSLCount(names);

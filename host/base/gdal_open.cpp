@@ -55,15 +55,39 @@ std::string cut_short(GDALDatasetH dataset, const std::string& file) {
   return ends_early(needed);
 }
 
+/// A scale and an offset, and a unit of lengths by its metres, so that those that mean the same are written the same.
+std::string scale_text(const GdalBand& band) {
+  std::ostringstream out;
+  out.precision(15);
+  if (band.scaled()) out << "scale " << band.scale << " and offset " << band.offset;
+  return out.str();
+}
+std::string unit_text(const std::string& unit) {
+  const double metres = metres_of(unit);
+  std::ostringstream out;
+  out.precision(15);
+  if (metres > 0)
+    out << metres << " m";
+  else
+    out << unit;
+  return out.str();
+}
+
 /// What any band of a raster declares of its numbers.
 struct Declared {
   bool scaled = false, unit = false, gaps = false, signed_bytes = false, complex = false;
+  std::set<std::string> scales, units;  ///< of its bands, as one writes them
+  SharedBySources first;                ///< of the first band
 };
-Declared declared_by(GDALDatasetH dataset) {
+Declared declared_by(const OpenedByGdal& opened) {
   Declared out;
+  const GDALDatasetH dataset = opened.set.get();
   for (int b = 1; b <= gdal().GDALGetRasterCount(dataset); ++b) {
     const GDALRasterBandH handle = gdal().GDALGetRasterBand(dataset, b);
-    const GdalBand band = describe_band(handle);
+    const GdalBand band = describe_band(opened, handle);
+    if (b == 1) out.first = {band.scale, band.offset, band.unit};
+    out.scales.insert(scale_text(band));
+    out.units.insert(unit_text(band.unit));
     out.scaled = out.scaled || band.scaled();
     out.unit = out.unit || !band.unit.empty();
     out.gaps = out.gaps || !band.mask.empty();
@@ -79,7 +103,8 @@ bool is_virtual(GDALDatasetH dataset) {
 
 /// A file below a virtual raster, opened once however many name it.
 struct Source {
-  std::string wrong;  ///< why it is refused
+  std::string wrong;       ///< why it is refused
+  bool is_raster = false;  ///< that could be opened
   Declared declared;
   int orientation = 1;
   std::optional<bool> has_gaps;  ///< by its pixels, once that was asked
@@ -114,16 +139,20 @@ bool has_gaps(const std::string& file) {
 /// All files below a virtual raster: GDAL takes the numbers of each as they stand.
 class Sources {
  public:
-  /// Looks at those of one; why it is refused, or empty.
-  std::string look(GDALDatasetH dataset, const std::string& file, int depth) {
+  /// Looks at those of one, and fills in what they share; why it is refused, or empty.
+  std::string look(OpenedByGdal& opened, const std::string& file, int depth) {
     constexpr int kDeepest = 8;
+    const GDALDatasetH dataset = opened.set.get();
     if (!is_virtual(dataset)) return "";
     if (depth > kDeepest) return "virtual rasters of virtual rasters, more than 8 deep";
     std::ostringstream text;
     text << std::ifstream(file).rdbuf();
     const auto says = [&](const char* key) { return text.str().find(key) != std::string::npos; };
-    const Declared here = declared_by(dataset);
+    const Declared here = declared_by(opened);
     const bool ratio = says("<ScaleRatio>"), computed = says("<PixelFunctionType>");
+    // Numbers that it makes anew are no source's.
+    const bool as_they_stand = !ratio && !computed && !says("<ScaleOffset>") && !says("<LUT>") && !says("<Exponent>");
+    Agreement scale, unit;
     std::string wrong;
     char** const files = gdal().GDALGetFileList(dataset);
     for (char** each = files; each && *each && wrong.empty(); ++each) {
@@ -138,8 +167,7 @@ class Sources {
       if (there.complex && !here.complex && !computed)
         wrong = "it holds complex numbers, of which the virtual raster takes the real part; write the parts apart";
       if (!wrong.empty()) wrong = "its source " + name + ": " + wrong;
-      if (there.scaled && !here.scaled && !ratio) lost_[0].insert(name);
-      if (there.unit && !here.unit) lost_[1].insert(name);
+      if (source.is_raster) scale.add(name, there.scales, there.first), unit.add(name, there.units, there.first);
       if (there.gaps && !here.gaps) {
         if (!source.has_gaps) source.has_gaps = has_gaps(name);
         if (*source.has_gaps) lost_[2].insert(name);
@@ -147,6 +175,18 @@ class Sources {
       if (source.orientation != 1) lost_[3].insert(name);
     }
     gdal().CSLDestroy(files);
+    if (!here.scaled && !ratio) {
+      if (as_they_stand && scale.same())
+        opened.shared.scale = scale.first.scale, opened.shared.offset = scale.first.offset;
+      else
+        lose(0, scale);
+    }
+    if (!here.unit) {
+      if (as_they_stand && unit.same())
+        opened.shared.unit = unit.first.unit;
+      else
+        lose(1, unit);
+    }
     return wrong;
   }
 
@@ -164,12 +204,37 @@ class Sources {
       const std::string first = *lost_[kind].begin();
       out.push_back((count == 1 ? "its source " + first + " declares "
                                 : std::to_string(count) + " of its sources, " + first + " first, declare ") +
-                    kKinds[kind].first + ", which the virtual raster leaves out; " + kKinds[kind].second);
+                    kKinds[kind].first + ", which the virtual raster leaves out" + differ_[kind] + "; " +
+                    kKinds[kind].second);
     }
     return out;
   }
 
  private:
+  /// What a virtual raster's own sources say of one thing.
+  struct Agreement {
+    std::map<std::string, std::string> who;  ///< the first source of each word; "" none declares it
+    std::set<std::string> declaring;
+    SharedBySources first;
+    void add(const std::string& name, const std::set<std::string>& words, const SharedBySources& declared) {
+      if (who.empty()) first = declared;
+      for (const std::string& word : words) {
+        who.emplace(word, name);
+        if (!word.empty()) declaring.insert(name);
+      }
+    }
+    bool same() const { return who.size() <= 1; }
+  };
+
+  /// What sources declare and a virtual raster leaves out, and in what they differ, by name.
+  void lose(std::size_t kind, const Agreement& said) {
+    lost_[kind].insert(said.declaring.begin(), said.declaring.end());
+    if (said.same() || said.declaring.empty() || !differ_[kind].empty()) return;
+    for (const auto& [word, name] : said.who)
+      differ_[kind] +=
+          (differ_[kind].empty() ? ", and they differ: " : ", ") + name + " has " + (word.empty() ? "none" : word);
+  }
+
   Source& at(const std::string& file, int depth) {
     std::error_code failed;
     const auto [entry, fresh] = met_.try_emplace(std::filesystem::weakly_canonical(file, failed).string());
@@ -178,12 +243,14 @@ class Sources {
     const OpenedByGdal part = open_at_depth(file, GDAL_OF_RASTER, depth, *this);
     if (!part.set && part.refused && std::filesystem::exists(file, failed)) out.wrong = part.wrong;
     if (!part.set) return out;
-    out.declared = declared_by(part.set.get()), out.orientation = image_orientation(file);
+    out.is_raster = gdal().GDALGetRasterCount(part.set.get()) > 0;
+    out.declared = declared_by(part), out.orientation = image_orientation(file);
     return out;
   }
 
   std::map<std::string, Source> met_;          ///< by canonical paths
   std::array<std::set<std::string>, 4> lost_;  ///< names of sources, by the kind of what is left out
+  std::array<std::string, 4> differ_;          ///< what they say instead of one thing, of the first that differ
 };
 
 /// Of a text grid: what is wrong, or empty. GDAL takes integers for its type where the first lines have no other
@@ -219,14 +286,21 @@ OpenedByGdal open_at_depth(const std::string& file, unsigned kinds, int depth, S
   if (gdal().GDALGetRasterCount(out.set.get()) == 0) return out;
   out.wrong = cut_short(out.set.get(), file);
   if (out.wrong.empty()) out.wrong = open_text_grid(out.set, file, depth > 0);
-  if (out.wrong.empty() && depth == 0 && declared_by(out.set.get()).complex)
+  if (out.wrong.empty() && depth == 0 && declared_by(out).complex)
     out.wrong = "it holds complex numbers, whose parts are to be written apart";
-  if (out.wrong.empty()) out.wrong = sources.look(out.set.get(), file, depth);
+  if (out.wrong.empty()) out.wrong = sources.look(out, file, depth);
   if (!out.wrong.empty()) out.set.reset(), out.refused = true;
   return out;
 }
 
 }  // namespace
+
+GdalBand describe_band(const OpenedByGdal& opened, GDALRasterBandH band) {
+  GdalBand out = describe_band(band);
+  if (!out.scaled()) out.scale = opened.shared.scale, out.offset = opened.shared.offset;
+  if (out.unit.empty()) out.unit = opened.shared.unit;
+  return out;
+}
 
 OpenedByGdal open_by_gdal(const std::string& file, unsigned kinds) {
   Sources sources;

@@ -144,12 +144,12 @@ Error gdal_error(const std::string& path) {
   return {Fault::input, path + ": GDAL cannot read it: " + (said.empty() ? "no message" : said)};
 }
 
-BandStatistics statistics_of(GDALRasterBandH band, const std::string& path,
+BandStatistics statistics_of(const base::OpenedByGdal& opened, GDALRasterBandH band, const std::string& path,
                              const std::function<void(std::int64_t)>& after_lines) {
   BandStatistics out;
   const int width = gdal().GDALGetRasterBandXSize(band), height = gdal().GDALGetRasterBandYSize(band);
   const int step = static_cast<int>(std::min<std::int64_t>(height, lines_at_once(width)));
-  const base::GdalBand described = base::describe_band(band);
+  const base::GdalBand described = base::describe_band(opened, band);
   std::vector<double> values;
   std::vector<base::Pixel> known;
   for (int line = 0; line < height; line += step) {
@@ -168,31 +168,32 @@ BandStatistics statistics_of(GDALRasterBandH band, const std::string& path,
 
 Picture read_raster_picture(const std::string& path, bool header_only,
                             const std::function<void(std::int64_t)>& after_lines) {
-  const auto [set, wrong, refused, told] = base::open_by_gdal(path);
-  if (!set) throw Error(Fault::input, path + ": GDAL cannot read it: " + wrong);
+  const base::OpenedByGdal opened = base::open_by_gdal(path);
+  const GDALDatasetH set = opened.set.get();
+  if (!set) throw Error(Fault::input, path + ": GDAL cannot read it: " + opened.wrong);
   const base::QuietGdal quiet;
   Picture out;
-  const GDALDriverH driver = gdal().GDALGetDatasetDriver(set.get());
+  const GDALDriverH driver = gdal().GDALGetDatasetDriver(set);
   const char* format = gdal().GDALGetMetadataItem(driver, GDAL_DMD_LONGNAME, "");
   out.format = format ? format : gdal().GDALGetDriverShortName(driver);
   PicturePart& part = out.parts.emplace_back();
-  part.width = gdal().GDALGetRasterXSize(set.get()), part.height = gdal().GDALGetRasterYSize(set.get());
-  if (const char* how = gdal().GDALGetMetadataItem(set.get(), "COMPRESSION", "IMAGE_STRUCTURE")) part.compression = how;
-  char* const* const texts = gdal().GDALGetMetadata(set.get(), "");
+  part.width = gdal().GDALGetRasterXSize(set), part.height = gdal().GDALGetRasterYSize(set);
+  if (const char* how = gdal().GDALGetMetadataItem(set, "COMPRESSION", "IMAGE_STRUCTURE")) part.compression = how;
+  char* const* const texts = gdal().GDALGetMetadata(set, "");
   for (int i = 0; texts && texts[i]; ++i) {
     const std::string entry = texts[i];
     if (const auto equals = entry.find('='); equals != std::string::npos)
       part.texts[entry.substr(0, equals)] = entry.substr(equals + 1);
   }
   std::array<double, 6> transform{};
-  if (gdal().GDALGetGeoTransform(set.get(), transform.data()) == CE_None) out.transform = transform;
-  for (int b = 1; b <= gdal().GDALGetRasterCount(set.get()); ++b) {
-    const GDALRasterBandH band = gdal().GDALGetRasterBand(set.get(), b);
+  if (gdal().GDALGetGeoTransform(set, transform.data()) == CE_None) out.transform = transform;
+  for (int b = 1; b <= gdal().GDALGetRasterCount(set); ++b) {
+    const GDALRasterBandH band = gdal().GDALGetRasterBand(set, b);
     const std::string named = gdal().GDALGetDescription(band),
                       colour = gdal().GDALGetColorInterpretationName(gdal().GDALGetRasterColorInterpretation(band));
     part.channels.push_back(
         {named.empty() ? colour : named, gdal().GDALGetDataTypeName(gdal().GDALGetRasterDataType(band)), {}});
-    if (!header_only) part.channels.back().statistics = statistics_of(band, path, after_lines);
+    if (!header_only) part.channels.back().statistics = statistics_of(opened, band, path, after_lines);
   }
   return out;
 }

@@ -303,6 +303,7 @@ def packages(folder, same):
     """3MF: its package says where the model lies, that its unit; a unit that is none is refused."""
     for unit, metres, model in (
         (' unit="inch"', 0.0254, "3D/3dmodel.model"),
+        (' unit="centimeter"', 0.01, "3D/3dmodel.model"),
         ("", 0.001, "3D/3dmodel.model"),
         (' unit="inch"', 0.0254, "Parts/shape.model"),
         (' unit="cubit"', 0.4572, "3D/3dmodel.model"),

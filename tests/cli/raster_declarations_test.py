@@ -159,15 +159,46 @@ def counts(folder):
 
 
 def sources(folder):
-    """What sources of a virtual raster declare and it does not is told."""
-    for more, says in (
-        ("data gain values = {1.5}\n", "declares a scale or an offset"),
-        ("data ignore value = 100\n", "declares pixels without data"),
-        ("data units = ft\n", "declares a unit"),
+    """What all sources of a virtual raster declare of their numbers is true of its own; where they differ, and what it
+    leaves out besides, is told by name."""
+    (folder / "plain.asc").write_text(esri(HEIGHT))
+    right = seen(folder, terrain(folder, "plain.asc"))
+    source = virtual("SOURCE")
+    part = source[source.index("<SimpleSource>") : source.index("</VRTRasterBand>")]
+
+    def mosaic(*names):
+        (folder / "v.vrt").write_text(source.replace(part, "".join(part.replace("SOURCE", name) for name in names)))
+        return terrain(folder, "v.vrt")
+
+    for more, factor, says in (
+        ("data gain values = {0.5}\ndata offset values = {30}\n", 0.5, "times 0.5 plus 30"),
+        ("data units = ft\n", FOOT_M, "heights in 'ft'"),
     ):
-        raw(folder, "e.dat", HEIGHT, more)
-        (folder / "v.vrt").write_text(virtual("e.dat"))
-        told(terrain(folder, "v.vrt"), "e.dat", says, "the virtual raster leaves out")
+        for name in ("e.dat", "f.dat"):
+            raw(folder, name, (HEIGHT - (30 if factor == 0.5 else 0)) / factor, more)
+        for names in (("e.dat",), ("e.dat", "f.dat")):
+            file = mosaic(*names)
+            check(abs(seen(folder, file) - right).max() < 1e-3, more, names)
+            told(file, says, "1 notice")
+        (folder / "outer.vrt").write_text(virtual("v.vrt"))
+        file = terrain(folder, "outer.vrt")
+        check(abs(seen(folder, file) - right).max() < 1e-3, more, "outer")
+        told(file, says, "1 notice")
+    # Feet in one and metres in the other, by any name; and none in the other.
+    raw(folder, "f.dat", HEIGHT, "data units = m\n")
+    told(mosaic("e.dat", "f.dat"), "2 of its sources, ", "declare a unit", "f.dat has 1 m", "e.dat has 0.3048 m")
+    raw(folder, "e.dat", HEIGHT, "data units = metre\n")
+    check("differ" not in told(mosaic("e.dat", "f.dat"), "0 notices").stderr)
+    raw(folder, "e.dat", HEIGHT, "data gain values = {1.5}\n")
+    raw(folder, "f.dat", HEIGHT)
+    told(mosaic("e.dat", "f.dat"), "e.dat declares a scale", "f.dat has none", "e.dat has scale 1.5 and offset 0")
+    # Numbers that it makes anew are no source's.
+    (folder / "v.vrt").write_text(virtual("e.dat").replace("SimpleSource", "ComplexSource").replace(
+        "<SourceBand>1</SourceBand>", "<SourceBand>1</SourceBand><ScaleOffset>5</ScaleOffset>"))
+    told(terrain(folder, "v.vrt"), "e.dat declares a scale or an offset, which the virtual raster leaves out")
+    raw(folder, "e.dat", HEIGHT, "data ignore value = 100\n")
+    (folder / "v.vrt").write_text(virtual("e.dat"))
+    told(terrain(folder, "v.vrt"), "e.dat", "declares pixels without data", "the virtual raster leaves out")
     raw(folder, "e.dat", HEIGHT, "data ignore value = -9\n")
     told(terrain(folder, "v.vrt"), "0 notices")  # no pixel has it
     tiff(folder / "t.tif", HEIGHT, 6)
@@ -183,14 +214,13 @@ def sources(folder):
     (folder / "v.vrt").write_text(virtual("e.dat"))
     told(terrain(folder, "v.vrt"), "e.dat: it holds complex numbers", status=2)
     # Many sources, some by many ways: each is opened once, and one sentence has their number.
-    source = virtual("SOURCE")
-    part = source[source.index("<SimpleSource>") : source.index("</VRTRasterBand>")]
     (folder / "tiles").mkdir()
     names = [f"tiles/{i}.dat" for i in range(60)]
     for name in names:
         raw(folder, name, HEIGHT, "data units = ft\n")
-    (folder / "v.vrt").write_text(source.replace(part, "".join(part.replace("SOURCE", name) for name in names)))
-    told(terrain(folder, "v.vrt"), "60 of its sources, ", "declare a unit", "1 notice")
+    raw(folder, "tiles/60.dat", HEIGHT)
+    told(mosaic(*names, "tiles/60.dat"), "60 of its sources, ", "declare a unit", "60.dat has none", "1 notice")
+    told(mosaic(*names), "heights in 'ft'", "1 notice")
     inner = names[0]
     for name in ("a.vrt", "b.vrt", "c.vrt"):
         (folder / name).write_text(source.replace(part, 30 * part.replace("SOURCE", inner)))
