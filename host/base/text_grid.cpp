@@ -77,6 +77,12 @@ TextGrid read_text_grid(GDALDatasetH dataset, const std::string& file) {
       out.wrong = told(word, "is no number");
       return out;
     }
+    // GDAL takes the first number for a key of the header where it begins with a letter, and its row with it.
+    if (count == 0 && driver != "GSAG" && std::isalpha(static_cast<unsigned char>(word[0]))) {
+      out.wrong = told(word, "is taken by GDAL for a word of the header, where a grid begins with it") +
+                  "; write -nan there, or declare a NODATA_value and write that";
+      return out;
+    }
     if (out.beyond.empty() && !holds(type, word, *value)) out.beyond = told(word, "is read as another number");
   }
   if (count != needed)

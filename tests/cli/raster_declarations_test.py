@@ -243,6 +243,11 @@ def integers(folder):
         told(terrain(folder, "w.asc"), says, status=2)
         (folder / "v.vrt").write_text(virtual("w.asc"))
         told(terrain(folder, "v.vrt"), f"'{word}' is read as another number (row 4, column 4", status=2)
+    first = text.replace(text.split("cellsize 10\n")[1], "nan " + text.split("cellsize 10\n")[1].split(" ", 1)[1])
+    (folder / "w.asc").write_text(first)
+    told(terrain(folder, "w.asc"), "'nan' is taken by GDAL for a word of the header", "row 0, column 0", status=2)
+    (folder / "w.asc").write_text(first.replace("nan", "-nan"))
+    told(terrain(folder, "w.asc"), "row 0, column 0: terrain has posts without data (found 1 of 25)", status=2)
     (folder / "w.asc").write_text(last.replace("cellsize 10", "cellsize 10\nNODATA_value nan") + "nan\n")
     told(terrain(folder, "w.asc"), "1 of 25", status=2)
     classes = 'class_map = "c.asc"\nmaterials = { 1 = "m" }'
