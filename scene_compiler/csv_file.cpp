@@ -121,6 +121,14 @@ std::optional<std::size_t> CsvFile::column(const std::string& name) const {
   return static_cast<std::size_t>(found - columns.begin());
 }
 
+void CsvFile::refuse_other_columns(const std::vector<std::string>& known, Problems& problems) const {
+  std::string names;
+  for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : columns)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      problems.add({file, header_line, 0, ""}, "unknown column", "'" + name + "'", "columns here: " + names);
+}
+
 std::string CsvFile::columns_text() const {
   std::string out;
   for (const auto& name : columns) out += (out.empty() ? "" : ",") + name;

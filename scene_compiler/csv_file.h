@@ -23,6 +23,8 @@ struct CsvFile {
 
   std::optional<std::size_t> column(const std::string& name) const;
   std::string columns_text() const;
+  /// Reports columns that are none of these, which would be passed over.
+  void refuse_other_columns(const std::vector<std::string>& known, base::Problems& problems) const;
   base::Where at(std::size_t row, std::size_t column_index) const;
   /// The cell as a finite number; reports anything else ("nan", "******", "1,5", "") with line and value.
   std::optional<double> number(std::size_t row, std::size_t column_index, base::Problems& problems) const;

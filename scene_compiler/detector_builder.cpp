@@ -25,6 +25,11 @@ std::vector<NoisePoint> read_noise(const Record& record, Problems& problems) {
                  csv->columns_text(), "name them so");
     return {};
   }
+  // Files of ISOFIT say how well their a, b and c fit, as rmse: nothing that is drawn.
+  csv->refuse_other_columns(nedl ? std::vector<std::string>{"wavelength_nm", "nedl"}
+                            : a  ? std::vector<std::string>{"wavelength_nm", "a", "b", "c", "rmse"}
+                                 : std::vector<std::string>{"wavelength_nm", "radiance", "snr"},
+                            problems);
   std::vector<NoisePoint> out;
   for (std::size_t row = 0; row < csv->rows.size(); ++row) {
     const auto number = [&](std::size_t column, const char* what) {
@@ -50,6 +55,10 @@ std::vector<NoisePoint> read_noise(const Record& record, Problems& problems) {
   std::stable_sort(out.begin(), out.end(), [](const NoisePoint& x, const NoisePoint& y) {
     return x.wavelength_um != y.wavelength_um ? x.wavelength_um < y.wavelength_um : x.radiance < y.radiance;
   });
+  for (std::size_t i = 1; !radiance && i < out.size(); ++i)
+    if (out[i].wavelength_um == out[i - 1].wavelength_um)
+      problems.add({csv->file, 0, 0, ""}, "a wavelength of the table of noise is there twice",
+                   number_text(1e3 * out[i].wavelength_um) + " nm", "keep one of the rows");
   for (std::size_t i = 0; radiance && i < out.size();) {
     std::size_t end = i + 1;
     while (end < out.size() && out[end].wavelength_um == out[i].wavelength_um) ++end;

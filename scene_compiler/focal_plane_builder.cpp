@@ -15,6 +15,7 @@ namespace {
 using base::Problems;
 
 constexpr double kMostSmile_nm = 100, kMostKeystone_px = 20;  ///< as the keys of the same names
+constexpr double kMostReach_px = 250 / 3.0;  ///< of a measured spread: 250 cells, of which a pixel has three at least
 constexpr double kEven = 1e-6;               ///< of a grid's step, by which its points may be off
 
 /// The columns of a file by name; each row's numbers. Reports what is missing.
@@ -41,8 +42,11 @@ Columns read_columns(const Record& record, const char* key, const std::vector<st
       problems.add({out.csv->file, out.csv->header_line, 0, ""}, "column " + name + " is missing",
                    out.csv->columns_text(), "name it");
       out.csv.reset();
-      break;
+      return out;
     }
+  std::vector<std::string> known = needed;
+  known.insert(known.end(), optional.begin(), optional.end());
+  out.csv->refuse_other_columns(known, problems);
   return out;
 }
 
@@ -86,6 +90,15 @@ bool even(const std::vector<double>& places) {
   return places.size() > 1;
 }
 
+/// Whether a spread ends where one can; farther ones would keep whoever makes its transfer busy.
+bool within_reach(const std::vector<double>& places_px, const base::Where& where, Problems& problems) {
+  double most = 0;
+  for (const double place : places_px) most = std::max(most, std::abs(place));
+  if (most <= kMostReach_px) return true;
+  problems.add(where, "a point spread reaches at most 83 pixels", number_text(most), "cut it where it has ended");
+  return false;
+}
+
 SpreadTable read_spread(const Record& record, Problems& problems) {
   SpreadTable out;
   const auto head = read_csv(record.text("spread"), record.place("spread"), problems);
@@ -96,6 +109,7 @@ SpreadTable read_spread(const Record& record, Problems& problems) {
     const Columns table = read_columns(record, "spread", {"x_px", "y_px", "psf"}, {}, problems);
     if (!table.csv || problems.count() != before) return {};
     out.x_px = table.of.at("x_px"), out.y_px = table.of.at("y_px"), out.grid_value = table.of.at("psf");
+    if (!within_reach(out.x_px, where, problems) || !within_reach(out.y_px, where, problems)) return {};
     const std::vector<double> columns = distinct(out.x_px), rows = distinct(out.y_px);
     if (columns.size() < 2 || rows.size() < 2 || !even(columns) || !even(rows))
       problems.add(where, "x_px and y_px of a point spread must lie on a regular grid of two rows and columns or more",
@@ -110,11 +124,15 @@ SpreadTable read_spread(const Record& record, Problems& problems) {
   const Columns table = read_columns(record, "spread", {"radius_px", "psf"}, {"wavelength_nm"}, problems);
   if (!table.csv || problems.count() != before) return {};
   const auto& radius = table.of.at("radius_px");
+  if (!within_reach(radius, where, problems)) return {};
   const auto nm = table.of.find("wavelength_nm");
   const std::vector<double> at_nm = nm == table.of.end() ? std::vector<double>(radius.size(), 0.0) : nm->second;
   out.value = on_grid(at_nm, radius, table.of.at("psf"), where, problems);
   out.radius_px = distinct(radius);
   for (const double one : distinct(at_nm)) out.wavelength_um.push_back(1e-3 * one);
+  if (nm != table.of.end() && !(out.wavelength_um.front() > 0))
+    problems.add(where, "a wavelength of a point spread must be above 0", number_text(1e3 * out.wavelength_um.front()),
+                 "correct wavelength_nm");
   if (out.radius_px.front() < 0 || out.radius_px.size() < 2)
     problems.add(where, "radius_px needs two radii or more, none below 0", number_text(out.radius_px.front()),
                  "check the file");
@@ -168,6 +186,23 @@ void check_smile(const Record& instrument, const Instrument& out, Problems& prob
     if (least < 0 && band.center_um + least <= 2 * band.fwhm_um)
       problems.add(instrument.place("focal_plane"), "smile moves a band to within twice its width of 0",
                    number_text(1e3 * band.center_um) + " nm by " + number_text(1e3 * least) + " nm", "lower smile_nm");
+  }
+}
+
+/// Rings by wavelength know nothing beyond their first and last.
+void tell_of_ends(const Record& instrument, const Instrument& out, Problems& problems) {
+  for (const FocalPlane& plane : out.focal_planes) {
+    const auto& um = plane.spread.wavelength_um;
+    if (!plane.spread.rings() || um.size() < 2) continue;
+    std::size_t beyond = 0;
+    for (const Band& band : out.bands)
+      if (&out.focal_planes[out.plane_of(band.center_um)] == &plane)
+        beyond += band.center_um < um.front() || band.center_um > um.back();
+    if (beyond > 0)
+      problems.tell(instrument.place("focal_plane"),
+                    base::counted(beyond, "band lies", "bands lie") + " beyond the wavelengths of the spread of '" +
+                        plane.name + "', " + number_text(1e3 * um.front()) + " to " + number_text(1e3 * um.back()) +
+                        " nm, and take its first or last rings");
   }
 }
 
@@ -250,7 +285,7 @@ void read_focal_planes(const Record& instrument, Instrument& out, Problems& prob
   }
   const std::size_t before = problems.count();
   check_bands_seen(instrument, out, problems);
-  if (problems.count() == before) check_smile(instrument, out, problems);
+  if (problems.count() == before) check_smile(instrument, out, problems), tell_of_ends(instrument, out, problems);
   const auto refuse = [&](bool given, const char* key, const char* why) {
     if (given) problems.add(instrument.place(key), std::string("'") + key + "' " + why, "", "remove it");
   };

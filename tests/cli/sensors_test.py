@@ -89,6 +89,14 @@ def refused(folder):
     (folder / "hole.csv").write_text("wavelength_nm,sample,smile_nm,keystone_px\n500,0,1,0\n500,9,1,0\n600,0,1,0\n")
     (folder / "dark.csv").write_text("radius_px,psf\n0,0\n1,0\n")
     (folder / "far.csv").write_text("wavelength_nm,sample,smile_nm,keystone_px\n500,0,0,1e12\n")
+    grid = "".join(f"600,{x},{y},1\n" for y in (-1, 0, 1) for x in (-1, 0, 1))
+    (folder / "bygrid.csv").write_text("wavelength_nm,x_px,y_px,psf\n" + grid)
+    (folder / "more.csv").write_text("radius_px,psf,mtf\n0,1,1\n1,0,1\n")
+    (folder / "below.csv").write_text("wavelength_nm,radius_px,psf\n-5,0,1\n-5,1,1\n600,0,1\n600,1,1\n")
+    (folder / "wide.csv").write_text("radius_px,psf\n0,1\n500,0.5\n1000,0\n")  # whose transfer took ten minutes
+    (folder / "gain.csv").write_text("wavelength_nm,nedl,gain\n400,0.1,2\n900,0.1,2\n")
+    (folder / "twice.csv").write_text("wavelength_nm,a,b,c\n400,1,1,1\n400,2,2,2\n900,1,1,1\n")
+    noise = '[instrument.detector]\nnoise = "{}.csv"\n'
     two = camera(bands="first_nm = 550.0, step_nm = 100.0, count = 2")
     for text, says in (
         (camera(psf="{ sigma_px = 0.5 }") + plane(sigma_px=0.5), "psf"),
@@ -115,6 +123,16 @@ def refused(folder):
         (folder / "scene.toml").write_text(HEAD + text)
         done = program.run("scene", "check", folder / "scene.toml", status=2)
         program.check(says in done.stderr and "scene.toml" in done.stderr, says, done.stderr)
+    for text, says in (
+        (camera() + plane(spread='"bygrid.csv"'), "unknown column (found 'wavelength_nm')"),
+        (camera() + plane(spread='"more.csv"'), "unknown column (found 'mtf')"),
+        (camera() + plane(spread='"below.csv"'), "must be above 0 (found -5)"),
+        (camera() + plane(spread='"wide.csv"'), "at most 83 pixels (found 1000)"),
+        (camera() + noise.format("gain"), "unknown column (found 'gain')"),
+        (camera() + noise.format("twice"), "there twice (found 400 nm)"),
+    ):
+        (folder / "scene.toml").write_text(HEAD + text)
+        program.refused("scene", "check", folder / "scene.toml", status=2, says=[says])
     (folder / "uneven_poses.csv").write_text("x_m,y_m,z_m\n" + "".join(f"0,{0.1 * i * i},500\n" for i in range(9)))
     uneven = camera(kind='"pushbroom"', lines=9, poses='"uneven_poses.csv"', ifov_mrad=2.0) + plane(sigma_px=0.5)
     uneven = uneven.replace("altitude_agl_m = 2000.0\n", "").replace("gsd_m = 1.0\n", "")
