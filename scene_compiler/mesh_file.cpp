@@ -1,12 +1,5 @@
 #include "scene_compiler/mesh_file.h"
 
-#include <assimp/DefaultIOSystem.h>
-#include <assimp/DefaultLogger.hpp>
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -20,6 +13,7 @@
 #include "host/base/limited_child.h"
 #include "host/base/memory.h"
 #include "host/base/text.h"
+#include "scene_compiler/assimp_child.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/mesh_declared.h"
@@ -42,159 +36,14 @@ constexpr double kFar_m = 1e4;
 constexpr double kBase_s = 20, kPerByte_s = 20e-6;
 constexpr std::uint64_t kBase_bytes = 2ull << 30, kPerByte_bytes = 200;
 
-/// Faces of one material and one group, its node's transform applied; of Assimp in single precision.
-template <class Real>
-struct Part {
-  MeshPart names;
-  std::vector<std::array<Real, 3>> vertices;
-  std::vector<std::array<float, 2>> in_image;
-  std::vector<std::uint32_t> face_corners, corners;
-};
-
 template <class Real>
 std::string vertex_text(const std::array<Real, 3>& v) {
   return "(" + number_text(v[0]) + ", " + number_text(v[1]) + ", " + number_text(v[2]) + ")";
 }
 
-/// Names of the nodes from this one up, the nearest first. What all of a file hangs from is named by the file or by
-/// Assimp, unless it has a mesh itself.
-std::vector<std::string> names_above(const aiNode& node) {
-  std::vector<std::string> out;
-  for (const aiNode* at = &node; at != nullptr; at = at->mParent)
-    if (at->mName.length > 0 && (at->mParent != nullptr || at->mNumMeshes > 0)) out.emplace_back(at->mName.C_Str());
-  return out;
-}
-
-void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node,
-               const std::vector<std::string>& nodes, base::Parcel& parcel) {
-  aiString material;
-  if (mesh.mMaterialIndex < scene.mNumMaterials) scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
-  std::vector<std::array<float, 3>> vertices(mesh.mNumVertices);
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  std::vector<std::array<float, 2>> in_image(mesh.mNumVertices, {kNone, kNone});
-  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-    const aiVector3D v = file_from_node * mesh.mVertices[i];
-    vertices[i] = {v.x, v.y, v.z};
-    if (mesh.HasTextureCoords(0)) in_image[i] = {mesh.mTextureCoords[0][i].x, mesh.mTextureCoords[0][i].y};
-  }
-  std::vector<std::uint32_t> face_corners(mesh.mNumFaces), corners;
-  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-    face_corners[i] = mesh.mFaces[i].mNumIndices;
-    corners.insert(corners.end(), mesh.mFaces[i].mIndices, mesh.mFaces[i].mIndices + mesh.mFaces[i].mNumIndices);
-  }
-  parcel.value(true);
-  parcel.text(material.C_Str());
-  parcel.text(mesh.mName.C_Str());
-  parcel.value(static_cast<std::uint64_t>(nodes.size()));
-  for (const std::string& node : nodes) parcel.text(node);
-  parcel.list(vertices.data(), vertices.size());
-  parcel.list(in_image.data(), in_image.size());
-  parcel.list(face_corners.data(), face_corners.size());
-  parcel.list(corners.data(), corners.size());
-}
-
-void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, base::Parcel& parcel) {
-  const aiMatrix4x4 file_from_node = parent * node.mTransformation;
-  for (unsigned i = 0; i < node.mNumMeshes; ++i)
-    send_mesh(scene, *scene.mMeshes[node.mMeshes[i]], file_from_node, names_above(node), parcel);
-  for (unsigned i = 0; i < node.mNumChildren; ++i) send_node(scene, *node.mChildren[i], file_from_node, parcel);
-}
-
-/// What all nodes show together; a mesh that several nodes name counts for each.
-struct Shown {
-  double vertices = 0, faces = 0, corners = 0;
-  /// Handed over by the child and taken apart once more here, then triangles and their tree.
-  double bytes() const { return 60 * vertices + 8 * corners + kTriangle_bytes * std::max(faces, corners - 2 * faces); }
-};
-
-void count_node(const aiScene& scene, const aiNode& node, Shown& shown) {
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
-    shown.vertices += mesh.mNumVertices, shown.faces += mesh.mNumFaces;
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) shown.corners += mesh.mFaces[f].mNumIndices;
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) count_node(scene, *node.mChildren[i], shown);
-}
-
-/// What the file's own numbers are, by its ending and what Assimp 5.2.5 says of it.
-MeshFrame declared_frame(const aiScene& scene, const std::string& file) {
-  const std::string ending = lower_case(std::filesystem::path(file).extension().string());
-  if (ending == ".3mf") {
-    DeclaredUnit unit = package_unit(file);
-    return {'z', unit.metres, false, std::move(unit.wrong)};
-  }
-  if (ending == ".gltf" || ending == ".glb") return {'y', 1.0};
-  if (ending == ".3ds" || ending == ".dxf" || ending == ".ase") return {'z', std::nullopt};
-  if (ending == ".x3d" || ending == ".wrl") return {'y', 1.0};
-  if (ending == ".dae") return {'z', 1.0};  // declared; Assimp has made metres of it, and turned it (below)
-  MeshFrame out;
-  int axis = 0, sign = 1;
-  float centimetres = 0;
-  if (ending != ".fbx" || !scene.mMetaData) return out;
-  if (scene.mMetaData->Get("UpAxis", axis) && axis >= 0 && axis <= 2) out.up = "xyz"[axis];
-  if (scene.mMetaData->Get("UpAxisSign", sign) && sign < 0) out.upside_down = true;
-  if (scene.mMetaData->Get("UnitScaleFactor", centimetres) && centimetres > 0) out.unit_m = 0.01 * double(centimetres);
-  return out;
-}
-
 /// Formats that Assimp turns to be y up, whatever they are.
 bool assimp_turns(const std::string& ending) {
   return ending == ".dae" || ending == ".3ds" || ending == ".dxf" || ending == ".ase";
-}
-
-bool is_obj(const std::string& file) { return lower_case(std::filesystem::path(file).extension().string()) == ".obj"; }
-
-/// Files that a mesh's file names, for Assimp: plain ones, since opening a pipe waits and a device may never end.
-class PlainFiles : public Assimp::DefaultIOSystem {
- public:
-  /// refused: what was asked for and is no plain file, and why.
-  explicit PlainFiles(std::string& refused) : refused_(refused) {}
-  bool Exists(const char* path) const override { return is_plain(path) && DefaultIOSystem::Exists(path); }
-  Assimp::IOStream* Open(const char* path, const char* mode) override {
-    return is_plain(path) ? DefaultIOSystem::Open(path, mode) : nullptr;
-  }
-
- private:
-  bool is_plain(const char* path) const {
-    std::error_code code;
-    if (!std::filesystem::exists(path, code)) return true;  // Assimp says that it is missing
-    const std::string why = base::why_no_plain_file(path);
-    if (!why.empty() && !std::filesystem::is_directory(path, code)) refused_ = std::string(path) + ", which " + why;
-    return why.empty();
-  }
-  std::string& refused_;
-};
-
-/// In the child: Assimp's word on the file (empty: it was read), what its nodes show, then, where there is room for
-/// that, its meshes, each after a true, then a false.
-void read_by_assimp(const std::string& file, const std::string& text,
-                    const std::optional<std::array<double, 3>>& centre, double room_bytes, base::Parcel& parcel) {
-  Assimp::Importer importer;
-  // Polygons stay whole here so that face numbers are the file's; normals and colours are not used.
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
-                                                          aiComponent_COLORS | aiComponent_BONEWEIGHTS |
-                                                          aiComponent_ANIMATIONS | aiComponent_TEXTURES |
-                                                          aiComponent_LIGHTS | aiComponent_CAMERAS);
-  std::string refused;
-  importer.SetIOHandler(new PlainFiles(refused));  // which the importer deletes
-  const bool obj = is_obj(file);
-  const auto other = obj ? obj_for_assimp(text, centre.value_or(std::array<double, 3>{})) : std::nullopt;
-  const aiScene* scene =
-      other ? importer.ReadFileFromMemory(other->data(), other->size(), aiProcess_RemoveComponent, "obj")
-            : importer.ReadFile(file, aiProcess_RemoveComponent);
-  const bool read = refused.empty() && scene != nullptr && scene->mRootNode != nullptr;
-  const std::string said = refused.empty() ? importer.GetErrorString() : "it names " + refused;
-  parcel.text(read ? "" : said.empty() ? "no message" : said);
-  if (!read) return;
-  Shown shown;
-  count_node(*scene, *scene->mRootNode, shown);
-  parcel.value(shown);
-  if (shown.bytes() > room_bytes) return;
-  const MeshFrame declared = declared_frame(*scene, file);
-  parcel.value(declared.up.value_or('\0')), parcel.value(declared.unit_m.value_or(0));
-  parcel.value(declared.upside_down), parcel.text(declared.wrong_unit);
-  send_node(*scene, *scene->mRootNode, aiMatrix4x4(), parcel);
-  parcel.value(false);
 }
 
 class Importer {
@@ -232,13 +81,22 @@ class Importer {
                                             short_text(double(most) * 6e-8) + " m; move it to an origin of its own");
   }
 
-  template <class Real>
-  void add_mesh(const Part<Real>& mesh) {
+  /// Before the first mesh: what comes, so that lists do not grow beyond it.
+  void expect(const ShownByNodes& shown) {
+    out.mesh.vertices.reserve(static_cast<std::size_t>(shown.vertices));
+    out.in_image.reserve(static_cast<std::size_t>(shown.vertices));
+    const auto triangles = static_cast<std::size_t>(shown.triangles());
+    out.mesh.triangles.reserve(triangles), out.mesh.surface.reserve(triangles), out.mesh.user_face.reserve(triangles);
+  }
+
+  /// A mesh where a node puts it: place(vertex) is a vertex in the file's frame, in single precision of Assimp.
+  template <class Mesh, class Place>
+  void add_mesh(const Mesh& mesh, MeshPart names, Place place) {
     const auto part = static_cast<std::uint32_t>(out.parts.size());
-    out.parts.push_back(mesh.names);
+    out.parts.push_back(std::move(names));
     const auto first = static_cast<std::uint32_t>(out.mesh.vertices.size());
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      const auto& v = mesh.vertices[i];
+      const auto v = place(mesh.vertices[i]);
       if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
         report("vertex " + std::to_string(first + i), "vertex is not finite", vertex_text(v), "correct the file");
       const auto at = in_metres({double(v[0]), double(v[1]), double(v[2])});
@@ -340,13 +198,11 @@ std::vector<std::string> words_of(const std::string& text) {
   return {std::istream_iterator<std::string>(in), {}};
 }
 
-/// A part's names as the child sends them; the groups of an OBJ's face stand in one name, apart by spaces.
-MeshPart read_names(base::Unpacked& read, bool obj) {
-  MeshPart out;
-  out.material = read.text(), out.group = read.text();
-  const auto nodes = read.value<std::uint64_t>();
+/// A part's names; the groups of an OBJ's face stand in one name, apart by spaces.
+MeshPart names_of(const AssimpMesh& mesh, const AssimpNode& node, bool obj) {
+  MeshPart out{mesh.material, mesh.name, {}};
   if (obj) out.others = words_of(out.group);
-  for (std::uint64_t i = 0; i < nodes; ++i) out.others.push_back(read.text());
+  out.others.insert(out.others.end(), node.names.begin(), node.names.end());
   return out;
 }
 
@@ -376,14 +232,15 @@ bool add_by_assimp(Importer& reader, const std::string& file, const std::string&
   limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(text.size());
   limits.memory_bytes = kBase_bytes + kPerByte_bytes * text.size();
   base::Unpacked read = base::in_limited_child(
-      limits, [&](base::Parcel& parcel) { read_by_assimp(file, text, centre, room_bytes, parcel); });
+      limits, [&](base::Parcel& parcel) { send_by_assimp(file, text, centre, room_bytes, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,
                  "correct or convert the file; " + asked_by.text() + " names it");
     return false;
   }
-  if (const auto shown = read.value<Shown>(); shown.bytes() > room_bytes) {
+  const auto shown = read.value<ShownByNodes>();
+  if (shown.bytes() > room_bytes) {
     const auto bytes_text = [](double bytes) { return base::format_bytes(static_cast<std::uint64_t>(bytes)); };
     problems.add({file, 0, 0, ""}, "the mesh needs more memory than there is",
                  number_text(shown.faces) + " faces, a mesh counted for each node that names it: about " +
@@ -408,13 +265,11 @@ bool add_by_assimp(Importer& reader, const std::string& file, const std::string&
   tell_of_silence(declared, ending, request, file, problems);
   reader.set_frame(declared, assimp_turns(ending));
   if (centre) reader.set_centre(*centre);
-  while (read.value<bool>()) {
-    Part<float> part;
-    part.names = read_names(read, obj);
-    part.vertices = read.list<std::array<float, 3>>();
-    part.in_image = read.list<std::array<float, 2>>();
-    part.face_corners = read.list<std::uint32_t>(), part.corners = read.list<std::uint32_t>();
-    reader.add_mesh(part);
+  reader.expect(shown);
+  const std::vector<AssimpMesh> meshes = take_meshes(read);
+  while (const auto node = take_node(read)) {
+    const AssimpMesh& mesh = meshes.at(node->mesh);
+    reader.add_mesh(mesh, names_of(mesh, *node, obj), [&](const auto& vertex) { return node->placed(vertex); });
   }
   if (!centre) reader.tell_of_rounding();
   return true;
@@ -461,11 +316,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, const MeshReques
         for (std::size_t axis = 0; axis < 3; ++axis) v[axis] -= (*centre)[axis];
       reader.set_centre(*centre);
     }
-    reader.add_mesh(Part<double>{{"DefaultMaterial", "", {}},
-                                 std::move(ply->vertices),
-                                 std::move(ply->in_image),
-                                 std::move(ply->face_corners),
-                                 std::move(ply->corners)});
+    reader.add_mesh(*ply, {"DefaultMaterial", "", {}}, [](const auto& vertex) { return vertex; });
   } else if (!add_by_assimp(reader, file, *text, obj, request, asked_by, problems)) {
     return std::nullopt;
   }
