@@ -152,16 +152,20 @@ void cut_into(std::vector<Piece>& pieces, Entry* first, std::ptrdiff_t count, st
 
 }  // namespace
 
-std::vector<std::uint32_t> block_order(const std::vector<Box>& boxes) {
-  std::vector<Entry> entries(boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) entries[i] = {boxes[i], static_cast<std::uint32_t>(i)};
-  const auto count = static_cast<std::ptrdiff_t>(boxes.size());
+std::vector<std::uint32_t> block_order(std::uint32_t boxes, const std::function<Box(std::uint32_t)>& box_of) {
+  std::vector<Entry> entries(boxes);
+  for (std::uint32_t i = 0; i < boxes; ++i) entries[i] = {box_of(i), i};
+  const std::ptrdiff_t count = boxes;
   std::vector<Piece> pieces;
-  cut_into(pieces, entries.data(), count, boxes.size() < kSeveral ? count : count / kPieces);
+  cut_into(pieces, entries.data(), count, boxes < kSeveral ? count : count / kPieces);
   base::for_each_index(pieces.size(), 0, [&](std::size_t i) { order(pieces[i].first, pieces[i].count); });
-  std::vector<std::uint32_t> out(boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) out[i] = entries[i].index;
+  std::vector<std::uint32_t> out(boxes);
+  for (std::uint32_t i = 0; i < boxes; ++i) out[i] = entries[i].index;
   return out;
+}
+
+std::vector<std::uint32_t> block_order(const std::vector<Box>& boxes) {
+  return block_order(static_cast<std::uint32_t>(boxes.size()), [&](std::uint32_t i) { return boxes[i]; });
 }
 
 }  // namespace raycube::scene::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "scene_compiler/bvh_tree.h"
@@ -13,6 +14,7 @@ namespace raycube::scene::detail {
 /// holds, is least (MacDonald & Booth, "Heuristics for ray tracing using space subdivision", Vis. Comput. 6, 1990),
 /// until a range fills one block; there the boxes' own order stands. The same order everywhere, for any number of
 /// threads. Precondition: finite boxes.
+std::vector<std::uint32_t> block_order(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of);
 std::vector<std::uint32_t> block_order(const std::vector<Box>& boxes);
 
 }  // namespace raycube::scene::detail

@@ -156,7 +156,7 @@ void finish_mesh(Mesh& mesh, const TreeMember& member, std::uint32_t tree) {
     for (const std::uint32_t vertex : triangle) bounds.grow(member.triangles->vertices[vertex]);
   mesh.tree = tree, mesh.placed_after = member.placed_after;
   mesh.lo = bounds.lo, mesh.hi = bounds.hi;
-  mesh.user_face = member.triangles->user_face;
+  mesh.user_face = member.spent != nullptr ? std::move(member.spent->user_face) : member.triangles->user_face;
 }
 
 // Builds the BVH over a tree's blocks behind the scene's nodes.
@@ -179,9 +179,7 @@ std::uint32_t append_tree(CompiledScene& scene, const std::vector<TreeMember>& m
   for (const TreeMember& member : members) check_mesh(*member.triangles, scene.meshes[member.mesh].name);
   const TreeTriangles triangles(members);
   const std::uint32_t count = triangles.count();
-  std::vector<Box> triangle_boxes(count);
-  for (std::uint32_t i = 0; i < count; ++i) triangle_boxes[i] = triangles[i].box();
-  const std::vector<std::uint32_t> order = detail::block_order(triangle_boxes);
+  std::vector<std::uint32_t> order = detail::block_order(count, [&](std::uint32_t i) { return triangles[i].box(); });
 
   Tree result;
   result.first_block = static_cast<std::uint32_t>(scene.blocks.size());
@@ -198,6 +196,8 @@ std::uint32_t append_tree(CompiledScene& scene, const std::vector<TreeMember>& m
         set_unused(scene.blocks[result.first_block + b], lane);
     }
 
+  std::vector<std::uint32_t>().swap(order);
+
   const auto index = static_cast<std::uint32_t>(scene.trees.size());
   Box bounds;
   for (const TreeMember& member : members) {
@@ -205,6 +205,7 @@ std::uint32_t append_tree(CompiledScene& scene, const std::vector<TreeMember>& m
     result.meshes.push_back(member.mesh);
     bounds.grow(scene.meshes[member.mesh].lo);
     bounds.grow(scene.meshes[member.mesh].hi);
+    if (member.spent != nullptr) *member.spent = TriangleMesh();
   }
   result.lo = bounds.lo, result.hi = bounds.hi;
   append_nodes(scene, result, boxes);
@@ -215,7 +216,7 @@ std::uint32_t append_tree(CompiledScene& scene, const std::vector<TreeMember>& m
 std::uint32_t append_mesh(CompiledScene& scene, const std::string& name, const TriangleMesh& mesh) {
   const auto index = static_cast<std::uint32_t>(scene.meshes.size());
   scene.meshes.push_back({name, 0, 0, {}, {}, {}});
-  append_tree(scene, {{index, 0, &mesh}});
+  append_tree(scene, {{index, 0, &mesh, nullptr}});
   return index;
 }
 

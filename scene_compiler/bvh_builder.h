@@ -19,9 +19,11 @@ struct TriangleMesh {
 };
 
 /// A mesh of a tree: its index in scene.meshes, where it stands in the user's list (Mesh::placed_after), its triangles.
+/// `spent`: the same where they may go, which they do before the tree's nodes are built; else null.
 struct TreeMember {
   std::uint32_t mesh = 0, placed_after = 0;
   const TriangleMesh* triangles = nullptr;
+  TriangleMesh* spent = nullptr;
 };
 
 /// Appends the blocks and the BVH of meshes that share a tree, fills in what their entries in scene.meshes lack beside

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <numeric>
@@ -17,13 +18,19 @@ namespace {
 using base::Error;
 using base::Fault;
 
-// What the callbacks build: leaves carry their item, inner nodes their children's boxes.
+// What the callbacks build of a node: its children and their boxes. A leaf, of which there are more than nodes, is its
+// item in place of an address.
 struct BuildNode {
-  std::uint32_t item = 0;
-  std::uint32_t count = 0;  // 0: leaf
-  std::array<BuildNode*, 8> child{};
+  std::uint32_t count = 0;
+  std::array<void*, 8> child{};
   std::array<Box, 8> box;
 };
+
+void* leaf_of(std::uint32_t item) { return reinterpret_cast<void*>(std::uintptr_t{item} << 1 | 1); }
+bool is_leaf(const void* child) { return (reinterpret_cast<std::uintptr_t>(child) & 1) != 0; }
+std::uint32_t item_of(const void* leaf) {
+  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(leaf) >> 1);
+}
 
 /// Embree returns null where there is no memory left, and passes what is thrown here on as its own error.
 void* node_memory(RTCThreadLocalAllocator allocator) {
@@ -34,16 +41,14 @@ void* node_memory(RTCThreadLocalAllocator allocator) {
 
 void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) { return new (node_memory(allocator)) BuildNode; }
 
-void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t, void*) {
-  auto* node = new (node_memory(allocator)) BuildNode;
-  node->item = primitives[0].primID;
-  return node;
+void* create_leaf(RTCThreadLocalAllocator, const RTCBuildPrimitive* primitives, std::size_t, void*) {
+  return leaf_of(primitives[0].primID);
 }
 
 void set_children(void* pointer, void** children, unsigned count, void*) {
   auto* node = static_cast<BuildNode*>(pointer);
   node->count = count;
-  for (unsigned i = 0; i < count; ++i) node->child[i] = static_cast<BuildNode*>(children[i]);
+  for (unsigned i = 0; i < count; ++i) node->child[i] = children[i];
 }
 
 void set_bounds(void* pointer, const RTCBounds** bounds, unsigned count, void*) {
@@ -73,8 +78,8 @@ std::array<std::uint32_t, 8> order_of(const BuildNode& node) {
   std::array<std::uint32_t, 8> order{};
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.begin() + node.count, [&](std::uint32_t a, std::uint32_t b) {
-    const bool leaf = node.child[a]->count == 0;
-    if (leaf != (node.child[b]->count == 0)) return leaf;
+    const bool leaf = is_leaf(node.child[a]);
+    if (leaf != is_leaf(node.child[b])) return leaf;
     const float top_a = node.box[a].hi[2], top_b = node.box[b].hi[2];
     return leaf ? top_a > top_b : top_a < top_b;
   });
@@ -91,13 +96,13 @@ std::uint32_t flatten(const BuildNode& from, BoxTree& tree, std::uint32_t level)
   tree.nodes[index].reach = reach_of(from);
   const std::array<std::uint32_t, 8> order = order_of(from);
   for (std::uint32_t i = 0; i < from.count; ++i) {
-    const BuildNode& child = *from.child[order[i]];
+    const void* const child = from.child[order[i]];
     set_slot(tree.nodes[index], i, from.box[order[i]]);
-    if (child.count == 0) {
-      tree.nodes[index].child[i] = child.item;
+    if (is_leaf(child)) {
+      tree.nodes[index].child[i] = item_of(child);
       tree.nodes[index].leaf_mask |= 1u << i;
     } else {
-      const std::uint32_t at = flatten(child, tree, level + 1);
+      const std::uint32_t at = flatten(*static_cast<const BuildNode*>(child), tree, level + 1);
       tree.nodes[index].child[i] = at;
     }
   }
@@ -158,7 +163,8 @@ BoxTree build_tree(const std::vector<Box>& boxes) {
   arguments.createLeaf = create_leaf;
   arguments.setNodeChildren = set_children;
   arguments.setNodeBounds = set_bounds;
-  const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
+  const void* const built = rtcBuildBVH(&arguments);
+  const auto* root = is_leaf(built) ? nullptr : static_cast<const BuildNode*>(built);
   const RTCError failed = !root || root->count == 0 ? rtcGetDeviceError(device.get()) : RTC_ERROR_NONE;
   if (failed == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (!root || root->count == 0)

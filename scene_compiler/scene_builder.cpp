@@ -271,9 +271,9 @@ CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials, TreeS
   for (const auto& group : tree_groups(parts, sharing)) {
     std::vector<TreeMember> members;
     for (const std::uint32_t mesh : group)
-      members.push_back({mesh, first_places[mesh] - first_places[group[0]], &parts.meshes[mesh].mesh});
+      members.push_back(
+          {mesh, first_places[mesh] - first_places[group[0]], &parts.meshes[mesh].mesh, &parts.meshes[mesh].mesh});
     append_tree(scene, members);
-    for (const std::uint32_t mesh : group) parts.meshes[mesh].mesh = {};
   }
   for (std::uint32_t i = 0; i < parts.placed.size(); ++i) {
     const Placed& placed = parts.placed[i];

@@ -16,6 +16,7 @@ constexpr double kTrianglesOfCell = 8;
 constexpr double kMostCells = 4e6;
 constexpr std::size_t kMostCellsOfTriangle = 16;  // on average; grounds of few large and many small triangles are left
 constexpr std::uint32_t kBlocksLookedAt = 2048;
+constexpr std::size_t kPasses = 3;
 constexpr float kMargin = 1.02f;
 constexpr float kFlat = 0.2f;  // rays less steep than this are few: no skyline is told lower
 
@@ -108,7 +109,8 @@ struct Cells {
 
 class Survey {
  public:
-  Survey(const CompiledScene& scene, const Tree& tree, int threads) : scene_(scene), tree_(tree), threads_(threads) {
+  Survey(const CompiledScene& scene, const Tree& tree, int threads, std::size_t edges_at_once)
+      : scene_(scene), tree_(tree), threads_(threads), edges_at_once_(edges_at_once) {
     const double wanted = std::clamp(tree.triangle_count / kTrianglesOfCell, 1.0, kMostCells);
     cell_ = std::max(std::sqrt(map_area(tree) / wanted), 1e-30);
     per_cell_ = static_cast<float>(1 / cell_);
@@ -217,22 +219,38 @@ class Survey {
       for (int k = 0; k < 3; ++k) ++first[cell_of_edge(t.corner[k], t.corner[(k + 1) % 3]) + 1];
     });
     for (std::size_t c = 0; c < cells(); ++c) first[c + 1] += first[c];
-    std::vector<Edge> edges(first.back());
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    const std::size_t most = std::max(edges_at_once_, first.back() / kPasses);
+    std::vector<Edge> edges;
+    edges.reserve(std::min<std::size_t>(most, first.back()));
+    for (std::size_t begin = 0, end = 0; begin < cells(); begin = end) {
+      for (end = begin + 1; end < cells() && first[end + 1] - first[begin] <= most;) ++end;
+      sew_cells(begin, end, first, edges);
+    }
+  }
+
+  /// Those of cells begin .. end - 1.
+  void sew_cells(std::size_t begin, std::size_t end, const std::vector<std::uint32_t>& first,
+                 std::vector<Edge>& edges) {
+    constexpr std::size_t kCellsOfPiece = 1024;
+    const std::size_t before = first[begin];
+    edges.resize(first[end] - before);
+    std::vector<std::uint32_t> next(first.begin() + static_cast<std::ptrdiff_t>(begin),
+                                    first.begin() + static_cast<std::ptrdiff_t>(end));
     for_triangles(scene_, tree_, [&](const Triangle& t) {
       const bool turned = t.twice_area() < 0;
-      const std::uint64_t hash[3] = {t.corner[0].hash(), t.corner[1].hash(), t.corner[2].hash()};
       for (int k = 0; k < 3; ++k) {
-        const int n = (k + 1) % 3;
-        const Point &a = t.corner[k], &b = t.corner[n];
-        const std::uint64_t side = (hash[k] < hash[n]) != turned ? 1 : 0;
-        edges[next[cell_of_edge(a, b)]++] = {Point::mixed(hash[k] + hash[n]) << 1 | side, std::min(a.x, b.x),
-                                             std::max(a.x, b.x), std::min(a.y, b.y), std::max(a.y, b.y)};
+        const Point &a = t.corner[k], &b = t.corner[(k + 1) % 3];
+        const std::size_t cell = cell_of_edge(a, b);
+        if (cell < begin || cell >= end) continue;
+        const std::uint64_t hash_a = a.hash(), hash_b = b.hash(), side = (hash_a < hash_b) != turned ? 1 : 0;
+        edges[next[cell - begin]++ - before] = {Point::mixed(hash_a + hash_b) << 1 | side, std::min(a.x, b.x),
+                                                std::max(a.x, b.x), std::min(a.y, b.y), std::max(a.y, b.y)};
       }
     });
-    base::for_each_index(rows_, threads_, [&](std::size_t row) {
-      for (std::size_t c = row * columns_; c < (row + 1) * columns_; ++c)
-        sew_cell(&edges[0] + first[c], &edges[0] + first[c + 1]);
+    base::for_each_index((end - begin + kCellsOfPiece - 1) / kCellsOfPiece, threads_, [&](std::size_t piece) {
+      const std::size_t c0 = begin + piece * kCellsOfPiece, c1 = std::min(end, c0 + kCellsOfPiece);
+      for (std::size_t c = c0; c < c1; ++c)
+        sew_cell(edges.data() + (first[c] - before), edges.data() + (first[c + 1] - before));
     });
   }
 
@@ -345,6 +363,7 @@ class Survey {
   const CompiledScene& scene_;
   const Tree& tree_;
   int threads_;
+  std::size_t edges_at_once_;
   double cell_;  // side of a cell, m
   float per_cell_;
   std::uint32_t columns_ = 0, rows_ = 0;
@@ -358,10 +377,10 @@ class Survey {
 
 }  // namespace
 
-Skyline survey_skyline(const CompiledScene& scene, int threads) {
+Skyline survey_skyline(const CompiledScene& scene, int threads, std::size_t edges_at_once) {
   const std::uint32_t instance = find_ground(scene);
   if (instance == RC_NONE) return {};
-  Skyline skyline = Survey(scene, scene.trees[scene.instances[instance].tree], threads).skyline();
+  Skyline skyline = Survey(scene, scene.trees[scene.instances[instance].tree], threads, edges_at_once).skyline();
   bool known = false;
   for (std::size_t c = 1; c < skyline.cells.size(); c += 2) known = known || skyline.cells[c] < kNone;
   if (!known) return {};

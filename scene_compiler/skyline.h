@@ -1,6 +1,8 @@
 // How steeply the ground rises around each place of it: rays that leave more steeply miss it without being traced.
 #pragma once
 
+#include <cstddef>
+
 #include "scene_compiler/compiled_scene.h"
 
 namespace raycube::scene {
@@ -19,8 +21,9 @@ namespace raycube::scene {
 /// the square of 3, 5 or 9 cells round it, so that nothing in there rises more steeply than the triangles' planes (its
 /// edges are sewn to each other in pairs there, and one layer covers the middle of each cell); beyond, cells are
 /// compared by their least and greatest heights. Skylines are 2 % higher than that, for what single precision rounds.
-/// The same for any number of threads.
-Skyline survey_skyline(const CompiledScene& scene, int threads);
+/// The same for any number of threads, and of edges that are sorted at once (24 bytes each; a third of all is taken
+/// where that is more, since each time costs a pass over all triangles).
+Skyline survey_skyline(const CompiledScene& scene, int threads, std::size_t edges_at_once = std::size_t{1} << 22);
 
 /// Above that, rays would leave their surface no more steeply than its own points are lifted off it
 /// (kernels/geometry/lift.h).

@@ -200,11 +200,12 @@ TEST_CASE("S7: balls, a ground placed twice, stretched ground and a wall have no
   CHECK(alone(finished(wall), test::kIdentity).skyline.instance == RC_NONE);
 }
 
-TEST_CASE("S9: the same skyline for any number of threads") {
+TEST_CASE("S9: the same skyline for any number of threads, and by parts of the edges") {
   const auto scene = alone(finished(ground(80, 0.7, hills, kAll)), test::kIdentity);
   const auto one = scene::survey_skyline(scene, 1), three = scene::survey_skyline(scene, 3);
   CHECK(one.cells == three.cells);
   CHECK(one.cells == scene.skyline.cells);
+  CHECK(scene::survey_skyline(scene, 2, 1).cells == one.cells);
 }
 
 TEST_CASE("S7 S9: sun and sky are the same bits with the skyline and without, over ground placed anyhow") {
