@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A mesh that several nodes of a glTF name, under parents that turn and scale it, is the same scene to the bit as a file
-in which each node's own mesh has its vertices worked out here: triangles, faces, materials by node, bounds. Numbers are
-dyadic, so that both are exact. usage: mesh_nodes_test.py RAYCUBE"""
+"""A mesh that several nodes of a glTF name, under parents that turn and scale it, is the same scene to the bit as a
+file in which each node's own mesh has its vertices worked out here: triangles, faces, materials by node, bounds.
+Numbers are dyadic, so that both are exact. usage: mesh_nodes_test.py RAYCUBE"""
 
 import base64
 import json
@@ -123,7 +123,8 @@ with tempfile.TemporaryDirectory() as made:
         (folder / "scene.toml").write_text(HEAD.replace("FILE", file))
         done = program.run("scene", "info", folder / "scene.toml")
         notices = program.run("scene", "check", folder / "scene.toml")
-        dropped = re.findall(r"dropped \d of \d+ faces without area \(first: face \d+\)", notices.stderr + notices.stdout)
+        said = notices.stderr + notices.stdout
+        dropped = re.findall(r"dropped \d of \d+ faces without area \(first: face \d+\)", said)
         text[file] = done.stdout, dropped
         check(len(dropped) == 1, notices.stderr)
     check(text["named.gltf"] == text["alone.gltf"], text)
