@@ -223,18 +223,7 @@ void settle_margin(Cells& cells) {
 std::vector<OpticalTransfer> optics_of(const Cells& cells) {
   std::vector<OpticalTransfer> optics;
   const double highest = std::max(9, cells.seen.oversampling) * std::max(1.0, cells.grid.lines_of_pixel);
-  for (const FocalPlane& plane : cells.seen.focal_planes) {
-    // Before frequencies are taken of rings that no number of cells can hold: theirs go with the radius squared.
-    const int across = std::max(cells.seen.oversampling, kFewestAcross);
-    if (plane.spread.rings() && plane.spread.radius_px.back() * across > kMostHalf)
-      throw base::Error(
-          base::Fault::input,
-          fmt::format("instrument '{}': a point spread reaches {:.6g} pixels, {:.6g} cells of a pixel's "
-                      "{} or more; at most {} can be: narrow it{}",
-                      cells.seen.name, plane.spread.radius_px.back(), plane.spread.radius_px.back() * across, across,
-                      kMostHalf, across > kFewestAcross ? ", or lower oversampling" : ""));
-    optics.emplace_back(plane, highest);
-  }
+  for (const FocalPlane& plane : cells.seen.focal_planes) optics.emplace_back(plane, highest);
   return optics;
 }
 

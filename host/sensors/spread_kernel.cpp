@@ -137,7 +137,7 @@ Taps shifted(const Taps& taps, double cells, int longer) {
 }
 
 int enough_cells(const OpticalTransfer& optics, double um) {
-  for (int cells = kFewestAcross; cells < kMostAcross; cells += 2) {
+  for (int cells = 3; cells < kMostAcross; cells += 2) {
     double worst = 0;
     for (double f = 0.5 * cells; f <= cells; f += 0.125)
       for (const auto& [u, v] : {std::pair{1.0, 0.0}, std::pair{0.0, 1.0}})

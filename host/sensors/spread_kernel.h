@@ -50,7 +50,6 @@ std::array<int, 2> kernel_half(const OpticalTransfer& optics, double um, const K
 /// Refuses what kernel_half does.
 SpreadKernel make_kernel(const OpticalTransfer& optics, double um, const KernelGrid& grid, const std::string& what);
 inline constexpr int kMostHalf = 250;
-inline constexpr int kFewestAcross = 3;  ///< cells of a pixel
 
 /// Weights that look `cells` farther on: each neighbour's by Lagrange's polynomial through six, at most 0.5 % off a
 /// wave of six cells (half a cycle a pixel at q = 3), 1e-4 off one of twelve. kShiftReach longer on either side, and by

@@ -203,14 +203,6 @@ def measured_spreads(folder):
         program.check(off < 6e-3, name, off)
 
 
-def too_wide(folder):
-    """Rings that no number of cells can hold are refused before their frequencies are taken, which are minutes."""
-    (folder / "wide.csv").write_text("radius_px,psf\n0,1\n500,0.5\n1000,0\n")
-    (folder / "wide.toml").write_text(HEAD + camera(pixels=2, lines=2) + plane(spread='"wide.csv"'))
-    says = ["a point spread reaches 1000 pixels, 3000 cells of a pixel's 3 or more; at most 250 can be"]
-    program.refused("scene", "check", folder / "wide.toml", status=2, says=says)
-
-
 def errors(folder):
     """What an image errs by is what its planes leave of the cells' draws: stated, and found against ten times as many
     samples."""
@@ -391,7 +383,6 @@ with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     same_bits(folder)
     measured_spreads(folder)
-    too_wide(folder)
     errors(folder)
     around(folder)
     displaced(folder)
