@@ -137,17 +137,18 @@ with tempfile.TemporaryDirectory() as folder:
     ).stdout
     check("first hits of" not in other and other.endswith("check: within limits\n"), other)
 
-    # Beyond a limit: one sky direction cannot hold a tolerance of 1 % below trees. Status 1, the reason on a line of
-    # its own, the files written all the same.
+    # Beyond a limit: one sky direction cannot hold a tolerance of 0.5 % below trees (it errs by 2 to 13 %). Status 1,
+    # the reason on a line of its own, the files written all the same.
     toml = garden.read_text()
     noisy, changed = re.subn(r"(?m)^sky_directions\s*=.*$", "sky_directions = 1", toml)
-    check(changed == 1, toml)
+    noisy, lower = re.subn(r"(?m)^tolerance\s*=.*$", "tolerance = 0.005", noisy)
+    check(changed == lower == 1, toml)
     (work / "garden" / "noisy.toml").write_text(noisy)
-    few = ("--rays", 1000, "--pixels", 100 if FULL else 20, "--model-pixels", 100 if FULL else 20)
+    few = ("--rays", 1000, "--pixels", 100, "--model-pixels", 100)
     done = run("check", work / "garden" / "noisy.toml", *few, "-o", work / "bad", status=1)
     check(
         re.search(
-            r"^BEYOND LIMITS: the full tables differ by [0-9.e-]+ in band \d+, tolerance 0\.02$",
+            r"^BEYOND LIMITS: the full tables differ by [0-9.e-]+ in band \d+, tolerance 0\.005$",
             done.stdout,
             re.MULTILINE,
         ),

@@ -310,7 +310,7 @@ def check_bounces(work):
     """A spot between floor and a wide leaf shines down: of its flux the leaf's underside gets
     U = rho flux / (1 - rho R), and what the camera sees of the leaf is T U / pi, summed over the image; 3 m high on
     100 m it loses 0.4 % past its edges. A red lamp beside a white one: bands that the one lacks have the other's light.
-    2 and 4 %: three times what seeds scatter by."""
+    4.4 and 4 %: four and six times what ten seeds scatter by."""
     spot = (
         '{{ name = "{name}", shape = "spot", position_m = [{at}, 2.5], cone_deg = [50, 60], spectrum = "{file}", '
         "power_W = 40.0 }}"
@@ -332,7 +332,7 @@ def check_bounces(work):
     pair, _ = render(work, "pair_under_leaf", lamps=f"{white}, {red}", **views)
     for image, what in ((alone, "alone"), (pair, "beside another")):
         found = image[..., 0].mean() * area / wanted
-        program.within(found - 1, 0.02, "flux through a leaf by several surfaces", what)
+        program.within(found - 1, 0.044, "flux through a leaf by several surfaces", what)
     red_alone = (pair[..., 1].mean() - pair[..., 0].mean()) * area / (wanted / FLAT)
     program.within(red_alone / RED - 1, 0.04, "the red lamp's share at 700 nm")
 

@@ -250,7 +250,7 @@ TEST_CASE(
   auto simulation = village({{0.3, 1279}, {0.2, 1281}, {0.4, 1280}, {0.1, 1282}, {0.15, 1280.5}}, 60);
   simulation.sun.zenith_deg = 60, simulation.sun.azimuth_deg = 140;
   simulation.tolerance = 0.01;
-  simulation.plan.sky_rank = 4;  // and the thermal sky's
+  simulation.plan.sky_rank = 4;                                 // and the thermal sky's
   simulation.sky_directions = std::max(1024, kManyDirections);  // 512 leave 1.1 % beside what glows
   simulation.instruments[0].bands = test::gaussian_bands({0.42, 0.5, 0.66, 0.8, 0.95}, 0.01);
   auto table =
