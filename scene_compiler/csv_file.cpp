@@ -121,7 +121,7 @@ std::optional<std::size_t> CsvFile::column(const std::string& name) const {
   return static_cast<std::size_t>(found - columns.begin());
 }
 
-void CsvFile::refuse_other_columns(const std::vector<std::string>& known, Problems& problems) const {
+void CsvFile::refuse_other_columns(const std::vector<std::string>& known, base::Problems& problems) const {
   std::string names;
   for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
   for (const std::string& name : columns)
