@@ -168,7 +168,8 @@ class InputReader {
       by_place_and_time_ = true;
     } else if (key == "day_of_year") {
       in_.day_of_year = whole_number(number(words, false), 1, 366);
-      if (!in_.day_of_year) problems_.add(here_, "a day of the year is 1 to 366", std::string(words[1]), "");
+      if (!in_.day_of_year && words.size() > 1)  // number() reports that there is none
+        problems_.add(here_, "a day of the year is 1 to 366", std::string(words[1]), "");
     } else if (key == "albedo") {
       in_.albedo = number(words, false);
     } else if (key == "altitude") {

@@ -84,7 +84,7 @@ with tempfile.TemporaryDirectory() as folder:
     # The quick air: 1670 wavelengths of the layered one would take longer than all else here; ci/demo checks the park
     # with it.
     text = re.sub(r'model = "layered"\nprofile = .*', 'model = "clear_sky"', park.read_text())
-    text = re.sub(r"tolerance = 0\.03.*", "tolerance = 0.01\nsky_directions = 484", text)
+    text = re.sub(r"tolerance = 0\.03.*", "tolerance = 0.01\nsky_directions = 1936", text)
     for bands, side in (("spectir_360.csv", 11), ("wasp_rgb.csv", 4)):
         text = text.replace(f'bands = "{bands}"', f'samples = {{ grid = [{side}, {side}] }}\nbands = "{bands}"')
     park.write_text(text)
@@ -137,10 +137,10 @@ with tempfile.TemporaryDirectory() as folder:
     ).stdout
     check("first hits of" not in other and other.endswith("check: within limits\n"), other)
 
-    # Beyond a limit: one sky direction cannot hold a tolerance of 0.5 % below trees (it errs by 2 to 13 %). Status 1,
-    # the reason on a line of its own, the files written all the same.
+    # Beyond a limit: 4 sky directions cannot hold a tolerance of 0.5 % below trees, where they err by 2 % and more.
+    # Status 1, the reason on a line of its own, the files written all the same.
     toml = garden.read_text()
-    noisy, changed = re.subn(r"(?m)^sky_directions\s*=.*$", "sky_directions = 1", toml)
+    noisy, changed = re.subn(r"(?m)^sky_directions\s*=.*$", "sky_directions = 4", toml)
     noisy, lower = re.subn(r"(?m)^tolerance\s*=.*$", "tolerance = 0.005", noisy)
     check(changed == lower == 1, toml)
     (work / "garden" / "noisy.toml").write_text(noisy)
