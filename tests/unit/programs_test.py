@@ -7,8 +7,8 @@ usage: programs_test.py FOLDER --begin            empties the folder, before the
 FOLDER holds a file TEST.tsv for each test, which its processes wrote (RAYCUBE_PROGRAM_LOG, host/cl/program.cpp): name,
 hash, "compiled" or "kept", options. FILE is the same of the build (cmake/CompileKernels.cmake). Two programs are the
 same when name and options are: one that is compiled for several devices (digests, for two sets of instructions where a
-processor has AVX-512; oclgrind) counts once, and how many times it is one more is told. Sources of a few lines that tests of the cache and of error messages
-make up are listed apart: they take milliseconds."""
+processor has AVX-512; oclgrind) counts once, and how many times it is one more is told. Sources of a few lines that
+tests of the cache and of error messages make up are listed apart: they take milliseconds."""
 
 import argparse
 import collections
